@@ -1,0 +1,19 @@
+//! From reference and estimate to rotor commands. `fullstate` section 11.
+//!
+//! [`PositionLoop`] → force → [`AttitudeLoop`] → rates and thrust → [`RateLoop`] → torque →
+//! [`Mixer`] → rotor thrusts → [`ThrustMap`] → throttle. The mixer reports what it could not give;
+//! the integrators read that report.
+
+mod attitude;
+mod mixer;
+mod position;
+mod rate;
+mod thrust_map;
+mod vertical;
+
+pub use attitude::{AttitudeCommand, AttitudeLoop};
+pub use mixer::{Mixer, Priority};
+pub use position::{Link, PositionInput, PositionLoop, PositionOutput, PositionState};
+pub use rate::{RateLoop, RateState};
+pub use thrust_map::ThrustMap;
+pub use vertical::{ClimbLoop, ClimbState};

@@ -1,0 +1,199 @@
+//! Which force brings the vehicle along the sphere and keeps the link taut?
+//!
+//! Tangential PID in tether coordinates without singularity at the zenith, radial feed-forward of
+//! the tension (fixed length) or radial PD (winch), a tension guard and a brake at the end of a
+//! fixed length. `fullstate` section 11.
+
+use crate::frames::{V3, World};
+use crate::math::{GRAVITY, so3};
+use crate::param::Params;
+use crate::scalar::Scalar;
+
+/// Gains and limits.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PositionLoop<S> {
+    /// kg.
+    pub mass: S,
+    /// Tether mass per length, kg/m.
+    pub line_density: S,
+    /// 1/s².
+    pub kp: S,
+    /// 1/s.
+    pub kd: S,
+    /// 1/s³.
+    pub ki: S,
+    /// Largest integral, m/s².
+    pub integral_max: S,
+    /// Largest tangential and radial acceleration, m/s².
+    pub accel_max: S,
+    /// Radial, 1/s².
+    pub radial_p: S,
+    /// Radial, 1/s.
+    pub radial_d: S,
+    /// 1/s.
+    pub brake: S,
+    /// Share of the wind force fed forward.
+    pub wind_feed_forward: S,
+    /// N.
+    pub tension_min: S,
+    /// N.
+    pub tension_max: S,
+    /// N.
+    pub thrust_min: S,
+    /// N.
+    pub thrust_max: S,
+    /// Tangent of the largest tilt.
+    pub tan_tilt_max: S,
+}
+
+/// How the ground end behaves.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Link {
+    /// The length is given; the radial force is the tension set-point.
+    FixedLength,
+    /// The winch pulls; the length is controlled.
+    Winch,
+}
+
+/// The integral, m/s², tangential.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PositionState<S: Scalar> {
+    /// World axes.
+    pub integral: World<V3<S>>,
+}
+
+impl<S: Scalar> Default for PositionState<S> {
+    fn default() -> Self {
+        Self { integral: World(V3::zeros()) }
+    }
+}
+
+/// Estimate and reference of one step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PositionInput<S: Scalar> {
+    /// m from the anchor.
+    pub position: World<V3<S>>,
+    /// m/s.
+    pub velocity: World<V3<S>>,
+    /// Wind force over mass, m/s²; zero where nobody estimates it.
+    pub wind: World<V3<S>>,
+    /// Unit vector anchor → reference.
+    pub direction: World<V3<S>>,
+    /// Velocity of the reference, m/s.
+    pub reference_velocity: World<V3<S>>,
+    /// Length of the reference, m.
+    pub length: S,
+    /// Its rate, m/s.
+    pub length_rate: S,
+    /// Tension to feed forward, N.
+    pub tension: S,
+    /// Ground end.
+    pub link: Link,
+    /// Nothing may be integrated: the thrust or the tilt was cut last time.
+    pub hold_integral: bool,
+}
+
+/// The force and whether the tension guard spoke.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PositionOutput<S: Scalar> {
+    /// Thrust force wanted, N.
+    pub force: World<V3<S>>,
+    /// The guard raised or lowered the radial force.
+    pub is_guarded: bool,
+}
+
+impl<S: Scalar> PositionLoop<S> {
+    /// From the parameters.
+    #[must_use]
+    pub fn new(p: &Params) -> Self {
+        let f = S::from_f32;
+        Self {
+            mass: f(p.mass),
+            line_density: f(p.line_density),
+            kp: f(p.position_p),
+            kd: f(p.position_d),
+            ki: f(p.position_i),
+            integral_max: f(p.position_i_max),
+            accel_max: f(p.accel_max),
+            radial_p: f(p.radial_p),
+            radial_d: f(p.radial_d),
+            brake: f(p.brake),
+            wind_feed_forward: f(p.wind_feed_forward),
+            tension_min: f(p.tension_min),
+            tension_max: f(p.tension_max),
+            thrust_min: f(p.thrust_min),
+            thrust_max: f(p.thrust_max),
+            tan_tilt_max: f(libm::tanf(p.tilt_max)),
+        }
+    }
+
+    /// One step over `dt` s.
+    pub fn step(
+        &self,
+        state: &mut PositionState<S>,
+        z: &PositionInput<S>,
+        dt: S,
+    ) -> PositionOutput<S> {
+        let m = self.mass;
+        let g = S::lit(GRAVITY);
+        let floor = S::lit(1e-3);
+        let length = so3::norm(&z.position.0).max(floor);
+        let u = z.position.0 / length;
+        let velocity = z.velocity.0;
+        let radial_speed = so3::dot(&u, &velocity);
+
+        let across = so3::reject(&z.direction.0, &u);
+        let error = match so3::direction(&across, S::lit(1e-6)) {
+            Some((axis, sin)) => axis * (length * sin.atan2(so3::dot(&u, &z.direction.0))),
+            None => across,
+        };
+        let tangential = velocity - u * radial_speed;
+        let speed_error = so3::reject(&z.reference_velocity.0, &u) - tangential;
+        let mut integral = state.integral.0;
+        if !z.hold_integral {
+            integral += error * (self.ki * dt);
+        }
+        integral = so3::limit_norm(so3::reject(&integral, &u), self.integral_max);
+        state.integral = World(integral);
+        let asked =
+            so3::limit_norm(error * self.kp + speed_error * self.kd + integral, self.accel_max);
+
+        let centripetal = so3::dot(&tangential, &tangential) / length;
+        let wind = z.wind.0;
+        let mut force = (asked - wind * self.wind_feed_forward - u * centripetal) * m;
+        force.z -= m * g + self.line_density * length * g * S::lit(0.5);
+        let mut is_guarded = false;
+        match z.link {
+            Link::FixedLength => {
+                force += u * z.tension;
+                let pull = so3::dot(&force, &u) + m * (u.z * g + so3::dot(&wind, &u) + centripetal);
+                let kept = pull.limit(self.tension_min, self.tension_max);
+                is_guarded = kept != pull;
+                force += u * (kept - pull);
+                let overspeed = (radial_speed - z.length_rate.max(S::lit(0.2))).max(S::zero());
+                force -= u * (m * self.brake * overspeed);
+            }
+            Link::Winch => {
+                let accel = self.radial_p * (z.length - length)
+                    + self.radial_d * (z.length_rate - radial_speed);
+                force += u * (z.tension + m * accel.limit_abs(self.accel_max));
+            }
+        }
+        PositionOutput { force: World(self.limit(force)), is_guarded }
+    }
+
+    /// Vertical share first, then tilt, then total thrust.
+    fn limit(&self, mut force: V3<S>) -> V3<S> {
+        let up = (-force.z).limit(self.thrust_min, self.thrust_max);
+        let rest = (self.thrust_max * self.thrust_max - up * up).sqrt();
+        let reach = (up * self.tan_tilt_max).min(rest);
+        let side = (force.x * force.x + force.y * force.y).sqrt();
+        if side > reach {
+            let cut = reach / side;
+            force.x *= cut;
+            force.y *= cut;
+        }
+        force.z = -up;
+        force
+    }
+}

@@ -1,0 +1,39 @@
+//! Tautline's flight core.
+//!
+//! ```text
+//! sensors -> estimate -> control -> mixer -> throttle
+//!    |          |           |         |
+//!    +----------+-----------+---------+--> StepOutput -> log, MAVLink
+//!             supervisor (mode, arming, failsafe) gates each stage
+//! ```
+//!
+//! [`vehicle::Vehicle::step`] is the whole autopilot; board and simulator call the same one. Layers,
+//! lowest first: [`scalar`], [`time`], [`frames`], [`math`]; [`signal`] is the data between stages;
+//! [`sense`], [`estimate`], [`trajectory`], [`control`], [`supervisor`] are the stages; [`param`]
+//! holds every setting; [`vehicle`] joins them; [`link`] (MAVLink) and [`log`] (ULog) only read its
+//! output.
+//!
+//! `no_std`, no allocator, no panic in the step, time as an argument, no global.
+
+#![no_std]
+#![forbid(unsafe_code)]
+#![cfg_attr(test, allow(clippy::float_cmp))]
+
+#[cfg(test)]
+extern crate std;
+
+pub mod control;
+pub mod estimate;
+pub mod fixed;
+pub mod frames;
+pub mod link;
+pub mod log;
+pub mod math;
+pub mod param;
+pub mod scalar;
+pub mod sense;
+pub mod signal;
+pub mod supervisor;
+pub mod time;
+pub mod trajectory;
+pub mod vehicle;

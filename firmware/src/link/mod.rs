@@ -1,0 +1,205 @@
+//! MAVLink 2: bytes in, bytes out.
+//!
+//! The link owns the parser, the telemetry schedule and the parameter service; it turns what it hears
+//! into [`Request`]s for the next step and tells what the step said. It never touches the vehicle.
+//! Messages are matched by id and decoded one by one: the crate's enum over all messages costs 80 KB
+//! on the board.
+//!
+//! Per tick of the host: [`Link::receive`] with whatever arrived, [`Link::next_request`] into the
+//! step's input, [`Link::transmit`] with the step's output.
+
+mod commands;
+mod frame;
+mod global;
+mod params;
+mod receive;
+mod schedule;
+mod telemetry;
+
+pub use frame::{Frame, MAX_FRAME, Parser};
+
+use crate::param::Params;
+use crate::scalar::Scalar;
+use crate::signal::{Event, Outcome, Reply, Request, Sticks};
+use crate::time::{Micros, Sample};
+use crate::vehicle::StepOutput;
+use heapless::Deque;
+use mavlink::{MavlinkVersion, MessageData};
+use schedule::Streams;
+
+/// Where frames go.
+pub type Sink<'a> = &'a mut dyn FnMut(&[u8]);
+
+/// Component id of the autopilot.
+pub const COMPONENT_AUTOPILOT: u8 = 1;
+
+/// What was heard, and what was dropped.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct LinkCounters {
+    /// Valid frames for us.
+    pub received: u32,
+    /// Valid frames that nobody here reads.
+    pub ignored: u32,
+    /// Bytes that belong to no valid frame.
+    pub garbage_bytes: u32,
+    /// Frames with a wrong checksum or an unknown id.
+    pub bad_frames: u32,
+    /// Valid frames whose content makes no sense (NaN set-points, unknown names or enum values).
+    pub refused: u32,
+    /// Requests that found the queue full.
+    pub overflowed: u32,
+    /// Frames sent.
+    pub sent: u32,
+}
+
+/// One MAVLink connection.
+#[derive(Debug)]
+pub struct Link {
+    parser: Parser,
+    system: u8,
+    sequence: u8,
+    counters: LinkCounters,
+    heartbeat_at: Option<Micros>,
+    sticks: Option<Sample<Sticks>>,
+    requests: Deque<Request, 8>,
+    events: Deque<Event, 16>,
+    streams: Streams,
+    /// Next parameter of a running list.
+    listing: Option<u16>,
+    /// Single parameters to tell.
+    echoes: Deque<u16, 8>,
+    /// Messages asked for once, with their second argument.
+    once: Deque<(u32, u16), 16>,
+}
+
+impl Default for Link {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Link {
+    /// Nothing heard yet.
+    #[must_use]
+    pub fn new() -> Self {
+        Self {
+            parser: Parser::new(),
+            system: 1,
+            sequence: 0,
+            counters: LinkCounters::default(),
+            heartbeat_at: None,
+            sticks: None,
+            requests: Deque::new(),
+            events: Deque::new(),
+            streams: Streams::default(),
+            listing: None,
+            echoes: Deque::new(),
+            once: Deque::new(),
+        }
+    }
+
+    /// Takes bytes in chunks of any size. Answers that need nothing from the vehicle go to `sink` at once.
+    pub fn receive(&mut self, now: Micros, bytes: &[u8], params: &Params, sink: Sink) {
+        self.system = params.system_id as u8;
+        for &byte in bytes {
+            let mut next = self.parser.push(byte);
+            while let Some(frame) = next {
+                self.hear(now, &frame, params, sink);
+                next = self.parser.pending();
+            }
+        }
+        self.counters.garbage_bytes = self.parser.garbage_bytes;
+        self.counters.bad_frames = self.parser.bad_frames;
+    }
+
+    /// The next request for the vehicle.
+    pub fn next_request(&mut self) -> Option<Request> {
+        self.requests.pop_front()
+    }
+
+    /// When a ground station last spoke.
+    #[must_use]
+    pub fn heartbeat_at(&self) -> Option<Micros> {
+        self.heartbeat_at
+    }
+
+    /// The last joystick message.
+    #[must_use]
+    pub fn sticks(&self) -> Option<Sample<Sticks>> {
+        self.sticks
+    }
+
+    /// What was heard and dropped.
+    #[must_use]
+    pub fn counters(&self) -> LinkCounters {
+        self.counters
+    }
+
+    /// Answers, events and whatever telemetry is due.
+    pub fn transmit<S: Scalar>(&mut self, out: &StepOutput<S>, params: &Params, sink: Sink) {
+        for event in out.events.iter() {
+            if self.events.is_full() {
+                self.events.pop_front();
+            }
+            let _ = self.events.push_back(*event);
+        }
+        if let Some(reply) = &out.reply {
+            self.answer(reply, sink);
+        }
+        if let Some(event) = self.events.pop_front() {
+            self.send_text(&event, sink);
+        }
+        self.send_parameters(out.now, params, sink);
+        while let Some((id, argument)) = self.once.pop_front() {
+            self.send_message(id, argument, out, params, sink);
+        }
+        while let Some(id) = self.streams.next_due(out.now) {
+            self.send_message(id, 0, out, params, sink);
+        }
+    }
+
+    fn answer(&mut self, reply: &Reply, sink: Sink) {
+        if let Some(index) = reply.parameter {
+            let _ = self.echoes.push_back(index as u16);
+        }
+        if reply.ticket.command != 0 {
+            let result = match reply.outcome {
+                Outcome::Accepted => commands::ACCEPTED,
+                Outcome::Rejected => commands::TEMPORARILY_REJECTED,
+                Outcome::Denied => commands::DENIED,
+            };
+            self.acknowledge(&reply.ticket, result, sink);
+        }
+    }
+
+    fn queue(&mut self, request: Request) {
+        if self.requests.push_back(request).is_err() {
+            self.counters.overflowed = self.counters.overflowed.wrapping_add(1);
+        }
+    }
+
+    fn refuse(&mut self) {
+        self.counters.refused = self.counters.refused.wrapping_add(1);
+    }
+
+    /// Serialises one message of the crate.
+    fn send<D: MessageData>(&mut self, message: &D, sink: Sink) {
+        let mut payload = [0_u8; 255];
+        let length = message.ser(MavlinkVersion::V2, &mut payload);
+        self.send_raw(D::ID, D::EXTRA_CRC, payload.get(..length).unwrap_or(&[]), sink);
+    }
+
+    fn send_raw(&mut self, id: u32, extra_crc: u8, payload: &[u8], sink: Sink) {
+        let mut bytes = [0_u8; MAX_FRAME];
+        let header = frame::Header {
+            sequence: self.sequence,
+            system: self.system,
+            component: COMPONENT_AUTOPILOT,
+        };
+        if let Some(frame) = frame::encode(header, id, extra_crc, payload, &mut bytes) {
+            self.sequence = self.sequence.wrapping_add(1);
+            self.counters.sent = self.counters.sent.wrapping_add(1);
+            sink(frame);
+        }
+    }
+}

@@ -1,0 +1,358 @@
+//! What each topic is made of. Names and fields are PX4's where PX4 has the topic.
+
+use super::ulog::record;
+use crate::frames::V3;
+use crate::scalar::Scalar;
+use crate::supervisor::{GroundState, Mode};
+use crate::vehicle::StepOutput;
+
+record! {
+    /// `sensor_combined`: filtered and calibrated inertial data, body FRD.
+    SensorCombined {
+        /// rad/s.
+        gyro_rad: [f32; 3],
+        /// m/s².
+        accelerometer_m_s2: [f32; 3],
+        /// °C.
+        temperature: f32,
+    }
+}
+record! {
+    /// `vehicle_attitude` and `vehicle_attitude_groundtruth`: body FRD to NED, `[w, x, y, z]`.
+    VehicleAttitude {
+        /// Unit quaternion.
+        q: [f32; 4],
+    }
+}
+record! {
+    /// `vehicle_angular_velocity`: bias removed.
+    VehicleAngularVelocity {
+        /// rad/s.
+        xyz: [f32; 3],
+    }
+}
+record! {
+    /// `vehicle_local_position` and `vehicle_local_position_groundtruth`: NED from the anchor.
+    VehicleLocalPosition {
+        /// m.
+        x: f32,
+        /// m.
+        y: f32,
+        /// m.
+        z: f32,
+        /// m/s.
+        vx: f32,
+        /// m/s.
+        vy: f32,
+        /// m/s.
+        vz: f32,
+        /// rad.
+        heading: f32,
+        /// One standard deviation, m.
+        eph: f32,
+        /// One standard deviation, m.
+        epv: f32,
+        /// Height by altimeter alone, m.
+        dist_bottom: f32,
+        /// The horizontal part is known.
+        xy_valid: bool,
+        /// An altimeter answers.
+        z_valid: bool,
+    }
+}
+record! {
+    /// `vehicle_local_position_setpoint`.
+    VehicleLocalPositionSetpoint {
+        /// m.
+        x: f32,
+        /// m.
+        y: f32,
+        /// m.
+        z: f32,
+        /// m/s.
+        vx: f32,
+        /// m/s.
+        vy: f32,
+        /// m/s.
+        vz: f32,
+        /// rad.
+        yaw: f32,
+        /// Tension, N.
+        tension: f32,
+    }
+}
+record! {
+    /// `vehicle_rates_setpoint`.
+    VehicleRatesSetpoint {
+        /// rad/s.
+        roll: f32,
+        /// rad/s.
+        pitch: f32,
+        /// rad/s.
+        yaw: f32,
+        /// Thrust, N.
+        thrust: f32,
+        /// Torque, N m.
+        torque: [f32; 3],
+        /// The mixer cut roll or pitch.
+        tilt_saturated: bool,
+        /// The mixer cut yaw.
+        yaw_saturated: bool,
+        /// The mixer moved the total thrust.
+        thrust_saturated: bool,
+    }
+}
+record! {
+    /// `actuator_motors`: front right, rear left, front left, rear right.
+    ActuatorMotors {
+        /// Throttle, 0..1.
+        control: [f32; 4],
+        /// Commanded thrust, N.
+        thrust: [f32; 4],
+        /// To the winch, N.
+        winch_tension: f32,
+    }
+}
+record! {
+    /// `vehicle_status`.
+    VehicleStatus {
+        /// 1 disarmed, 2 armed.
+        arming_state: u8,
+        /// Row of the mode table: 0 Stabilize, 1 Altitude, 2 Tether Hold, 3 Takeoff, 4 Land, 5 Descent.
+        nav_state: u8,
+        /// 0 on ground, 1 taking off, 2 in air, 3 landing.
+        ground_state: u8,
+        /// A failsafe is active.
+        failsafe: bool,
+        /// Bit n: row n of the failsafe table.
+        failures: u16,
+        /// All arming checks pass.
+        pre_flight_checks_pass: bool,
+    }
+}
+record! {
+    /// `battery_status`.
+    BatteryStatus {
+        /// V.
+        voltage_v: f32,
+        /// A.
+        current_a: f32,
+        /// 0..1.
+        remaining: f32,
+        /// mAh.
+        discharged_mah: f32,
+        /// V, low-passed.
+        cell_v: f32,
+    }
+}
+record! {
+    /// `tether_state` and `tether_state_groundtruth`.
+    TetherState {
+        /// rad.
+        elevation: f32,
+        /// rad.
+        azimuth: f32,
+        /// m.
+        length: f32,
+        /// N.
+        tension: f32,
+        /// Not slack.
+        taut: bool,
+    }
+}
+record! {
+    /// `estimator_ekf4`: health of the four-state filter and its attitude source.
+    EstimatorEkf4 {
+        /// Innovation test ratios: accelerometer, altitude, length.
+        test_ratio: [f32; 3],
+        /// One standard deviation, m.
+        position_sd: [f32; 3],
+        /// rad/s.
+        gyro_bias: [f32; 3],
+        /// Modelled total thrust, N.
+        thrust: f32,
+        /// Vertical filter: height m, climb m/s.
+        vertical: [f32; 2],
+        /// The innovation tests failed for too long.
+        diverged: bool,
+    }
+}
+
+fn three<S: Scalar>(v: &V3<S>) -> [f32; 3] {
+    [v.x.to_f32(), v.y.to_f32(), v.z.to_f32()]
+}
+
+/// Row of the mode table.
+#[must_use]
+pub fn mode_number(mode: Mode) -> u8 {
+    crate::supervisor::MODES.iter().position(|rule| rule.mode == mode).unwrap_or(0) as u8
+}
+
+impl SensorCombined {
+    /// `None` when no inertial sample arrived this tick.
+    pub fn of<S: Scalar>(out: &StepOutput<S>) -> Option<Self> {
+        out.sensors.imu.map(|imu| Self {
+            timestamp: out.now.0,
+            gyro_rad: three(&imu.value.gyro.0),
+            accelerometer_m_s2: three(&imu.value.accel.0),
+            temperature: out.sensors.imu_temperature,
+        })
+    }
+}
+
+impl VehicleAttitude {
+    /// The estimate.
+    pub fn of<S: Scalar>(out: &StepOutput<S>) -> Self {
+        Self { timestamp: out.now.0, q: out.estimate.attitude.quaternion().map(Scalar::to_f32) }
+    }
+}
+
+impl VehicleAngularVelocity {
+    /// The estimate.
+    pub fn of<S: Scalar>(out: &StepOutput<S>) -> Self {
+        Self { timestamp: out.now.0, xyz: three(&out.estimate.rate.0) }
+    }
+}
+
+impl VehicleLocalPosition {
+    /// The estimate.
+    pub fn of<S: Scalar>(out: &StepOutput<S>) -> Self {
+        let e = &out.estimate;
+        let [x, y, z] = e.position.map_or([0.0; 3], |p| three(&p.0));
+        let [vx, vy, vz] = e.velocity.map_or([0.0; 3], |v| three(&v.0));
+        let [sx, sy, sz] = three(&e.position_sd);
+        Self {
+            timestamp: out.now.0,
+            x,
+            y,
+            z,
+            vx,
+            vy,
+            vz,
+            heading: e.attitude.euler().2.to_f32(),
+            eph: libm::hypotf(sx, sy),
+            epv: sz,
+            dist_bottom: e.height.to_f32(),
+            xy_valid: e.position.is_some(),
+            z_valid: out.sensors.altitude_is_fresh,
+        }
+    }
+}
+
+impl VehicleLocalPositionSetpoint {
+    /// `None` in the modes without one.
+    pub fn of<S: Scalar>(out: &StepOutput<S>) -> Option<Self> {
+        out.reference.map(|r| {
+            let ([x, y, z], [vx, vy, vz]) = (three(&r.position.0), three(&r.velocity.0));
+            Self {
+                timestamp: out.now.0,
+                x,
+                y,
+                z,
+                vx,
+                vy,
+                vz,
+                yaw: r.yaw.to_f32(),
+                tension: r.tension.to_f32(),
+            }
+        })
+    }
+}
+
+impl VehicleRatesSetpoint {
+    /// What the inner loop asks.
+    pub fn of<S: Scalar>(out: &StepOutput<S>) -> Self {
+        let [roll, pitch, yaw] = three(&out.rate_setpoint.0);
+        Self {
+            timestamp: out.now.0,
+            roll,
+            pitch,
+            yaw,
+            thrust: out.wrench.thrust.to_f32(),
+            torque: three(&out.wrench.torque.0),
+            tilt_saturated: out.mixer.tilt_is_saturated,
+            yaw_saturated: out.mixer.yaw_is_saturated,
+            thrust_saturated: out.mixer.thrust_is_saturated,
+        }
+    }
+}
+
+impl ActuatorMotors {
+    /// What the motors get.
+    pub fn of<S: Scalar>(out: &StepOutput<S>) -> Self {
+        Self {
+            timestamp: out.now.0,
+            control: out.actuation.throttle.map(Scalar::to_f32),
+            thrust: out.actuation.thrusts.map(Scalar::to_f32),
+            winch_tension: out.actuation.winch.tension.to_f32(),
+        }
+    }
+}
+
+impl VehicleStatus {
+    /// The supervisor.
+    pub fn of<S: Scalar>(out: &StepOutput<S>) -> Self {
+        Self {
+            timestamp: out.now.0,
+            arming_state: if out.is_armed { 2 } else { 1 },
+            nav_state: mode_number(out.mode),
+            ground_state: match out.ground {
+                GroundState::OnGround => 0,
+                GroundState::TakingOff => 1,
+                GroundState::InAir => 2,
+                GroundState::Landing => 3,
+            },
+            failsafe: out.failures != 0,
+            failures: out.failures,
+            pre_flight_checks_pass: out.is_armable,
+        }
+    }
+}
+
+impl BatteryStatus {
+    /// `None` before the first reading.
+    pub fn of<S: Scalar>(out: &StepOutput<S>) -> Option<Self> {
+        out.sensors.battery.map(|b| Self {
+            timestamp: out.now.0,
+            voltage_v: b.voltage.to_f32(),
+            current_a: b.current.to_f32(),
+            remaining: b.remaining.to_f32(),
+            discharged_mah: b.drawn.to_f32() / 3.6,
+            cell_v: b.cell.to_f32(),
+        })
+    }
+}
+
+impl TetherState {
+    /// `None` before a position is known.
+    pub fn of<S: Scalar>(out: &StepOutput<S>) -> Option<Self> {
+        out.estimate.tether.map(|t| Self {
+            timestamp: out.now.0,
+            elevation: t.elevation.to_f32(),
+            azimuth: t.azimuth.to_f32(),
+            length: t.length.to_f32(),
+            tension: t.tension.to_f32(),
+            taut: t.is_taut,
+        })
+    }
+}
+
+impl EstimatorEkf4 {
+    /// The filter's own view.
+    pub fn of<S: Scalar>(out: &StepOutput<S>) -> Self {
+        let e = &out.estimate;
+        Self {
+            timestamp: out.now.0,
+            test_ratio: [
+                e.health.accel.to_f32(),
+                e.health.altitude.to_f32(),
+                e.health.length.to_f32(),
+            ],
+            position_sd: three(&e.position_sd),
+            gyro_bias: three(&e.gyro_bias.0),
+            thrust: e.thrust.to_f32(),
+            vertical: [e.height.to_f32(), e.climb.to_f32()],
+            diverged: e.has_diverged,
+        }
+    }
+}

@@ -1,0 +1,208 @@
+//! The ULog container, version 1: magic, definitions, data.
+
+use crate::time::Micros;
+use heapless::Vec;
+
+/// Where bytes go.
+pub type Sink<'a> = &'a mut dyn FnMut(&[u8]);
+
+/// Longest message body.
+const MAX_BODY: usize = 512;
+const MAGIC: [u8; 8] = [b'U', b'L', b'o', b'g', 0x01, 0x12, 0x35, 0x01];
+
+/// A type that ULog knows.
+pub trait Field {
+    /// C name, without array brackets.
+    const TYPE: &'static str;
+    /// Array length; `None` for a single value.
+    const LENGTH: Option<u8> = None;
+    /// Little-endian bytes.
+    fn put(&self, out: &mut Body);
+}
+
+/// Body of one message; what does not fit is cut, which no topic here comes near.
+#[derive(Debug, Default)]
+pub struct Body(Vec<u8, MAX_BODY>);
+
+impl Body {
+    fn bytes(&mut self, bytes: &[u8]) {
+        let room = MAX_BODY - self.0.len();
+        let _ = self.0.extend_from_slice(bytes.get(..bytes.len().min(room)).unwrap_or(&[]));
+    }
+    fn digits(&mut self, n: u8) {
+        if n >= 10 {
+            self.digits(n / 10);
+        }
+        self.bytes(&[b'0' + n % 10]);
+    }
+}
+
+macro_rules! field {
+    ($($t:ty, $name:literal;)+) => {$(
+        impl Field for $t {
+            const TYPE: &'static str = $name;
+            fn put(&self, out: &mut Body) {
+                out.bytes(&self.to_le_bytes());
+            }
+        }
+    )+};
+}
+field! { u64, "uint64_t"; u32, "uint32_t"; u16, "uint16_t"; u8, "uint8_t"; f32, "float"; }
+
+impl Field for bool {
+    const TYPE: &'static str = "bool";
+    fn put(&self, out: &mut Body) {
+        out.bytes(&[u8::from(*self)]);
+    }
+}
+
+impl<T: Field, const N: usize> Field for [T; N] {
+    const TYPE: &'static str = T::TYPE;
+    const LENGTH: Option<u8> = Some(N as u8);
+    fn put(&self, out: &mut Body) {
+        for value in self {
+            value.put(out);
+        }
+    }
+}
+
+/// What a topic is made of.
+pub trait Record {
+    /// Calls back with type, array length and name of each field.
+    fn describe(each: &mut dyn FnMut(&'static str, Option<u8>, &'static str));
+    /// The fields in that order.
+    fn encode(&self, out: &mut Body);
+}
+
+/// Declares a topic's struct and its [`Record`].
+macro_rules! record {
+    ($(#[$meta:meta])* $name:ident { $($(#[$field_meta:meta])* $field:ident : $t:ty,)+ }) => {
+        $(#[$meta])*
+        #[derive(Clone, Copy, Debug, PartialEq)]
+        pub struct $name {
+            /// µs since boot.
+            pub timestamp: u64,
+            $($(#[$field_meta])* pub $field: $t,)+
+        }
+        impl $crate::log::Record for $name {
+            fn describe(each: &mut dyn FnMut(&'static str, Option<u8>, &'static str)) {
+                each("uint64_t", None, "timestamp");
+                $(each(
+                    <$t as $crate::log::Field>::TYPE,
+                    <$t as $crate::log::Field>::LENGTH,
+                    stringify!($field),
+                );)+
+            }
+            fn encode(&self, out: &mut $crate::log::ulog::Body) {
+                $crate::log::Field::put(&self.timestamp, out);
+                $($crate::log::Field::put(&self.$field, out);)+
+            }
+        }
+    };
+}
+pub(crate) use record;
+
+/// Handle of a topic that may be written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Topic(u16);
+
+/// Writer. Call [`Self::start`], then [`Self::define`] and [`Self::parameter`], then
+/// [`Self::subscribe`], then write.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Ulog {
+    topics: u16,
+    /// Bytes written.
+    pub bytes: u64,
+}
+
+impl Ulog {
+    /// File header, flag bits and who wrote it.
+    pub fn start(&mut self, now: Micros, system: &str, version: &str, sink: Sink) {
+        sink(&MAGIC);
+        sink(&now.0.to_le_bytes());
+        self.bytes += 16;
+        self.message(b'B', sink, |body| body.bytes(&[0; 40]));
+        self.info("sys_name", system, sink);
+        self.info("ver_sw", version, sink);
+    }
+
+    fn info(&mut self, key: &str, value: &str, sink: Sink) {
+        self.message(b'I', sink, |body| {
+            let mut name = Body::default();
+            name.bytes(b"char[");
+            name.digits(value.len() as u8);
+            name.bytes(b"] ");
+            name.bytes(key.as_bytes());
+            body.bytes(&[name.0.len() as u8]);
+            body.bytes(&name.0);
+            body.bytes(value.as_bytes());
+        });
+    }
+
+    /// Defines a topic of this name.
+    pub fn define<R: Record>(&mut self, name: &str, sink: Sink) {
+        self.message(b'F', sink, |body| {
+            body.bytes(name.as_bytes());
+            body.bytes(b":");
+            R::describe(&mut |kind, length, field| {
+                body.bytes(kind.as_bytes());
+                if let Some(length) = length {
+                    body.bytes(b"[");
+                    body.digits(length);
+                    body.bytes(b"]");
+                }
+                body.bytes(b" ");
+                body.bytes(field.as_bytes());
+                body.bytes(b";");
+            });
+        });
+    }
+
+    /// Records a parameter's value.
+    pub fn parameter(&mut self, name: &str, value: f32, sink: Sink) {
+        self.message(b'P', sink, |body| {
+            body.bytes(&[(name.len() + 6) as u8]);
+            body.bytes(b"float ");
+            body.bytes(name.as_bytes());
+            body.bytes(&value.to_le_bytes());
+        });
+    }
+
+    /// Ends the definitions; the topic may be written from now on.
+    pub fn subscribe(&mut self, name: &str, sink: Sink) -> Topic {
+        let id = self.topics;
+        self.topics += 1;
+        self.message(b'A', sink, |body| {
+            body.bytes(&[0]);
+            body.bytes(&id.to_le_bytes());
+            body.bytes(name.as_bytes());
+        });
+        Topic(id)
+    }
+
+    /// One record.
+    pub fn write<R: Record>(&mut self, topic: Topic, record: &R, sink: Sink) {
+        self.message(b'D', sink, |body| {
+            body.bytes(&topic.0.to_le_bytes());
+            record.encode(body);
+        });
+    }
+
+    /// One line of text with a syslog level (0 emergency to 7 debug).
+    pub fn text(&mut self, now: Micros, level: u8, text: &str, sink: Sink) {
+        self.message(b'L', sink, |body| {
+            body.bytes(&[b'0' + level.min(7)]);
+            body.bytes(&now.0.to_le_bytes());
+            body.bytes(text.as_bytes());
+        });
+    }
+
+    fn message(&mut self, kind: u8, sink: Sink, fill: impl FnOnce(&mut Body)) {
+        let mut body = Body::default();
+        fill(&mut body);
+        let [low, high] = (body.0.len() as u16).to_le_bytes();
+        sink(&[low, high, kind]);
+        sink(&body.0);
+        self.bytes += 3 + body.0.len() as u64;
+    }
+}

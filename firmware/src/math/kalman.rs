@@ -1,0 +1,45 @@
+//! Sequential scalar Kalman updates for a small dense covariance.
+//!
+//! `fullstate` section 4: every row of one vector measurement is linearised at the same state; the
+//! correction is collected in `dx` and injected once.
+
+use crate::scalar::Scalar;
+use nalgebra::{SMatrix, SVector};
+
+/// One vector measurement in progress.
+#[derive(Debug)]
+pub struct Correction<'a, S: Scalar, const N: usize> {
+    covariance: &'a mut SMatrix<S, N, N>,
+    dx: SVector<S, N>,
+    nis: S,
+}
+
+impl<'a, S: Scalar, const N: usize> Correction<'a, S, N> {
+    /// Starts with no correction.
+    pub fn new(covariance: &'a mut SMatrix<S, N, N>) -> Self {
+        Self { covariance, dx: SVector::zeros(), nis: S::zero() }
+    }
+
+    /// Takes one row `h` with innovation `nu` and variance `r`; the innovation is clamped to `gate`
+    /// standard deviations, not rejected. Returns this row's squared normalised innovation.
+    pub fn row(&mut self, h: &SVector<S, N>, nu: S, r: S, gate: Option<S>) -> S {
+        let b = *self.covariance * h;
+        let s = (h.dot(&b) + r).max(S::lit(1e-9));
+        let mut y = nu - h.dot(&self.dx);
+        let nis = y * y / s;
+        if let Some(gate) = gate {
+            y = y.limit_abs(gate * s.sqrt());
+        }
+        let k = b / s;
+        self.dx += k * y;
+        *self.covariance -= k * b.transpose();
+        self.nis += nis;
+        nis
+    }
+
+    /// The correction to inject and the summed normalised innovation squared.
+    #[must_use]
+    pub fn finish(self) -> (SVector<S, N>, S) {
+        (self.dx, self.nis)
+    }
+}

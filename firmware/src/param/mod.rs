@@ -1,0 +1,173 @@
+//! Where is a setting declared? Once, in [`tree`].
+//!
+//! The table there yields the struct [`Params`], its default, the checked [`Params::set`] and
+//! [`META`], from which MAVLink's parameter service, the parameter files and `docs/parameters.md`
+//! follow. Names are written out, so that `grep RATE_P` finds the line. A name longer than 16 bytes
+//! or a default out of range does not compile.
+
+mod tree;
+
+pub use tree::{META, Params};
+
+/// How a value travels and is shown.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// A real number.
+    Real,
+    /// A whole number, MAVLink INT32.
+    Int,
+}
+
+/// What is known of one parameter.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Meta {
+    /// MAVLink name, at most 16 bytes.
+    pub name: &'static str,
+    /// Heading in the documentation.
+    pub group: &'static str,
+    /// Unit, SI unless it says so; empty for a pure number.
+    pub unit: &'static str,
+    /// Real or whole.
+    pub kind: Kind,
+    /// Value at first start.
+    pub default: f32,
+    /// Smallest value accepted.
+    pub min: f32,
+    /// Largest value accepted.
+    pub max: f32,
+    /// What it does.
+    pub doc: &'static str,
+}
+
+/// Why a value was refused; the stored one stays.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ParamError {
+    /// No parameter of that name or index.
+    Unknown,
+    /// NaN, infinite, or a fraction where a whole number is wanted.
+    NotANumber,
+    /// Outside `[min, max]` of its [`Meta`].
+    OutOfRange {
+        /// Smallest value accepted.
+        min: f32,
+        /// Largest value accepted.
+        max: f32,
+    },
+}
+
+impl Params {
+    /// Number of parameters.
+    pub const COUNT: usize = META.len();
+
+    /// Index of a name.
+    #[must_use]
+    pub fn index_of(name: &[u8]) -> Option<usize> {
+        META.iter().position(|meta| meta.name.as_bytes() == name)
+    }
+
+    /// Checks and stores a value.
+    ///
+    /// # Errors
+    /// [`ParamError`]; nothing is changed.
+    pub fn set(&mut self, index: usize, value: f32) -> Result<(), ParamError> {
+        let meta = META.get(index).ok_or(ParamError::Unknown)?;
+        if !value.is_finite() || (meta.kind == Kind::Int && libm::truncf(value) != value) {
+            return Err(ParamError::NotANumber);
+        }
+        if value < meta.min || value > meta.max {
+            return Err(ParamError::OutOfRange { min: meta.min, max: meta.max });
+        }
+        *self.slot(index).ok_or(ParamError::Unknown)? = value;
+        Ok(())
+    }
+}
+
+const fn bytes_fit(name: &str) -> bool {
+    !name.is_empty() && name.len() <= 16
+}
+
+/// Declares all parameters; see [`tree`].
+macro_rules! params {
+    ($( $group:literal { $( $(#[doc = $doc:literal])+ $field:ident : $name:literal $kind:ident [$unit:literal] = $default:literal in $min:literal ..= $max:literal ; )+ } )+) => {
+        /// Every setting of the vehicle, in SI units, as stored and sent.
+        #[derive(Clone, Copy, Debug, PartialEq)]
+        pub struct Params {
+            $($(
+                $(#[doc = $doc])+
+                #[doc = concat!("\n\n`", $name, "`, unit: ", $unit, ", range ", stringify!($min), " to ", stringify!($max), ".")]
+                pub $field: f32,
+            )+)+
+        }
+
+        impl Default for Params {
+            fn default() -> Self {
+                Self { $($( $field: $default, )+)+ }
+            }
+        }
+
+        /// All parameters in the order of their MAVLink index.
+        pub const META: &[$crate::param::Meta] = &[$($(
+            $crate::param::Meta {
+                name: $name,
+                group: $group,
+                unit: $unit,
+                kind: $crate::param::Kind::$kind,
+                default: $default,
+                min: $min,
+                max: $max,
+                doc: concat!($($doc),+),
+            },
+        )+)+];
+
+        $($(
+            const _: () = assert!($crate::param::bytes_fit($name), concat!("parameter name over 16 bytes: ", $name));
+            const _: () = assert!($min <= $default && $default <= $max, concat!("default out of range: ", $name));
+        )+)+
+
+        impl Params {
+            pub(super) fn slot(&mut self, index: usize) -> Option<&mut f32> {
+                let mut slots = [$($( &mut self.$field, )+)+].into_iter();
+                slots.nth(index)
+            }
+
+            /// The value at an index.
+            #[must_use]
+            pub fn get(&self, index: usize) -> Option<f32> {
+                [$($( self.$field, )+)+].get(index).copied()
+            }
+        }
+    };
+}
+use params;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_refused_value_leaves_the_stored_one() {
+        let mut p = Params::default();
+        let i = Params::index_of(b"VEH_MASS").unwrap();
+        let before = p.mass;
+        for bad in [f32::NAN, f32::INFINITY, -1.0, 1e9] {
+            assert!(p.set(i, bad).is_err());
+            assert!((p.mass - before).abs() < f32::EPSILON);
+        }
+        assert_eq!(p.set(usize::MAX, 1.0), Err(ParamError::Unknown));
+        p.set(i, 2.0).unwrap();
+        assert!((p.mass - 2.0).abs() < f32::EPSILON);
+    }
+
+    #[test]
+    fn names_are_unique_and_slots_follow_the_table() {
+        let mut p = Params::default();
+        for (i, meta) in META.iter().enumerate() {
+            assert_eq!(Params::index_of(meta.name.as_bytes()), Some(i), "{} twice", meta.name);
+            assert_eq!(p.get(i), Some(meta.default));
+            assert_eq!(p.slot(i).copied(), Some(meta.default));
+            if meta.kind == Kind::Int {
+                assert_eq!(p.set(i, meta.min + 0.5), Err(ParamError::NotANumber));
+            }
+        }
+    }
+}

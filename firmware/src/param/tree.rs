@@ -1,0 +1,236 @@
+//! All parameters. One line each: field, name, kind, unit, default, range.
+
+use super::params;
+
+params! {
+    "Vehicle" {
+        /// Take-off mass, battery included, tether not.
+        mass: "VEH_MASS" Real ["kg"] = 1.5 in 0.1 ..= 50.0;
+        /// Moment of inertia about the nose axis.
+        inertia_x: "VEH_IXX" Real ["kg m^2"] = 0.016 in 0.0001 ..= 10.0;
+        /// Moment of inertia about the right-hand axis.
+        inertia_y: "VEH_IYY" Real ["kg m^2"] = 0.016 in 0.0001 ..= 10.0;
+        /// Moment of inertia about the down axis.
+        inertia_z: "VEH_IZZ" Real ["kg m^2"] = 0.029 in 0.0001 ..= 10.0;
+        /// Distance of each rotor from the centre of mass along the nose axis and the right-hand axis (X frame).
+        arm: "VEH_ARM" Real ["m"] = 0.177 in 0.03 ..= 2.0;
+        /// Rotor drag torque per thrust.
+        torque_ratio: "VEH_CQ" Real ["m"] = 0.0167 in 0.001 ..= 0.2;
+        /// Tether attachment below the centre of mass.
+        attachment: "VEH_ATT_Z" Real ["m"] = 0.05 in -0.5 ..= 0.5;
+        /// Height of the centre of mass above the ground when landed.
+        ground_height: "VEH_H_GND" Real ["m"] = 0.15 in 0.0 ..= 2.0;
+    }
+    "Motors" {
+        /// Thrust of one rotor at full throttle and nominal voltage.
+        rotor_thrust_max: "MOT_THR_MAX" Real ["N"] = 8.1 in 0.1 ..= 500.0;
+        /// Lowest thrust of one rotor in flight; keeps the motors turning.
+        rotor_thrust_min: "MOT_THR_MIN" Real ["N"] = 0.05 in 0.0 ..= 10.0;
+        /// Share of the square law in throttle to thrust: thrust = f u^2 + (1-f) u.
+        thrust_factor: "THR_MDL_FAC" Real [""] = 0.6 in 0.0 ..= 1.0;
+        /// True thrust per commanded thrust, as identified in slack hover or by a thrust stand.
+        thrust_scale: "THR_SCALE" Real [""] = 1.0 in 0.5 ..= 1.5;
+        /// Battery voltage at which MOT_THR_MAX holds; 0 turns the compensation off.
+        nominal_voltage: "MOT_V_NOM" Real ["V"] = 15.2 in 0.0 ..= 60.0;
+        /// Time constant of a rotor's thrust.
+        motor_tau: "MOT_TAU" Real ["s"] = 0.03 in 0.001 ..= 0.5;
+        /// Motor output: 0 = 400 Hz PWM, 1 = OneShot125.
+        output_protocol: "MOT_PROTO" Int [""] = 0.0 in 0.0 ..= 1.0;
+    }
+    "Sensors" {
+        /// Sensor board axes to body axes: 0 = (x,y,z), 1 = (y,x,-z) SpeedyBee F405 V4, 2 = (-y,x,z) Matek F405-TE, 3 = (-x,-y,z) and 4 = (y,-x,z) Matek H743-SLIM.
+        board_rotation: "SENS_BOARD_ROT" Int [""] = 1.0 in 0.0 ..= 4.0;
+        /// Accelerometer offset, nose axis.
+        accel_bias_x: "CAL_ACC_XOFF" Real ["m/s^2"] = 0.0 in -3.0 ..= 3.0;
+        /// Accelerometer offset, right-hand axis.
+        accel_bias_y: "CAL_ACC_YOFF" Real ["m/s^2"] = 0.0 in -3.0 ..= 3.0;
+        /// Accelerometer offset, down axis.
+        accel_bias_z: "CAL_ACC_ZOFF" Real ["m/s^2"] = 0.0 in -3.0 ..= 3.0;
+        /// Accelerometer scale, nose axis.
+        accel_scale_x: "CAL_ACC_XSCALE" Real [""] = 1.0 in 0.8 ..= 1.2;
+        /// Accelerometer scale, right-hand axis.
+        accel_scale_y: "CAL_ACC_YSCALE" Real [""] = 1.0 in 0.8 ..= 1.2;
+        /// Accelerometer scale, down axis.
+        accel_scale_z: "CAL_ACC_ZSCALE" Real [""] = 1.0 in 0.8 ..= 1.2;
+        /// Accelerometer low-pass (Butterworth, 2nd order); 0 = off.
+        accel_cutoff: "IMU_ACCEL_CUTOFF" Real ["Hz"] = 80.0 in 0.0 ..= 400.0;
+        /// Gyro low-pass (Butterworth, 2nd order); 0 = off.
+        gyro_cutoff: "IMU_GYRO_CUTOFF" Real ["Hz"] = 150.0 in 0.0 ..= 400.0;
+        /// Centre of the gyro and accelerometer notch; 0 = off.
+        notch_freq: "IMU_NF_FREQ" Real ["Hz"] = 0.0 in 0.0 ..= 400.0;
+        /// Bandwidth of the notch.
+        notch_bandwidth: "IMU_NF_BW" Real ["Hz"] = 20.0 in 1.0 ..= 200.0;
+        /// Rangefinder below the centre of mass.
+        range_offset: "RNG_POS_Z" Real ["m"] = 0.03 in -0.5 ..= 0.5;
+        /// Rangefinder distance beyond which the barometer takes over.
+        range_max: "RNG_MAX" Real ["m"] = 11.0 in 0.5 ..= 100.0;
+        /// Voltage divider from battery to ADC pin.
+        battery_divider: "BAT1_V_DIV" Real [""] = 11.0 in 1.0 ..= 100.0;
+        /// Current per volt at the ADC pin.
+        battery_amps_per_volt: "BAT1_A_PER_V" Real ["A/V"] = 25.0 in 0.0 ..= 1000.0;
+        /// Cells in series.
+        battery_cells: "BAT1_N_CELLS" Int [""] = 4.0 in 1.0 ..= 14.0;
+        /// Voltage of a full cell.
+        cell_full: "BAT1_V_CHARGED" Real ["V"] = 4.15 in 3.0 ..= 4.5;
+        /// Voltage of an empty cell.
+        cell_empty: "BAT1_V_EMPTY" Real ["V"] = 3.4 in 2.5 ..= 4.0;
+    }
+    "Tether" {
+        /// Ground end: 0 = fixed length, 1 = constant-tension winch.
+        tether_kind: "TET_KIND" Int [""] = 1.0 in 0.0 ..= 1.0;
+        /// Length of a fixed tether; with a winch, length paid out after take-off.
+        tether_length: "TET_LENGTH" Real ["m"] = 10.0 in 1.0 ..= 200.0;
+        /// Tension set-point in flight.
+        tension: "TET_TENSION" Real ["N"] = 5.0 in 1.0 ..= 100.0;
+        /// Winch tension on the ground, during take-off near the anchor and at landing.
+        tension_low: "TET_TENSION_LOW" Real ["N"] = 3.0 in 0.5 ..= 100.0;
+        /// Distance of the vehicle from the anchor before take-off with a winch, along its nose.
+        start_distance: "TET_START_DIST" Real ["m"] = 0.8 in 0.2 ..= 5.0;
+        /// Heading of the nose at start-up, from North. Azimuth and all world axes follow from it.
+        start_heading: "TET_HDG0" Real ["rad"] = 0.0 in -6.2832 ..= 6.2832;
+        /// Tether mass per length.
+        line_density: "TET_LIN_DENS" Real ["kg/m"] = 0.002 in 0.0 ..= 1.0;
+        /// Lowest elevation that a set-point may have.
+        elevation_min: "TET_EL_MIN" Real ["rad"] = 0.2 in 0.0 ..= 1.5;
+        /// Highest elevation that a set-point may have.
+        elevation_max: "TET_EL_MAX" Real ["rad"] = 1.55 in 0.1 ..= 1.5707;
+        /// Longest tether a set-point may ask of the winch.
+        length_max: "TET_LEN_MAX" Real ["m"] = 30.0 in 1.0 ..= 200.0;
+    }
+    "Estimator" {
+        /// Attitude: pull towards the accelerometer's vertical.
+        mahony_kp: "ATT_W_ACC" Real ["rad/s"] = 0.2 in 0.0 ..= 5.0;
+        /// Attitude: gyro bias gain.
+        mahony_ki: "ATT_W_GYRO_BIAS" Real ["rad/s^2"] = 0.01 in 0.0 ..= 1.0;
+        /// Position: process noise of each coordinate, variance per 4 ms step.
+        ekf_q_position: "EKF4_Q_POS" Real ["m^2"] = 0.004 in 0.000001 ..= 1.0;
+        /// Tension: process noise, variance per 4 ms step.
+        ekf_q_tension: "EKF4_Q_TEN" Real ["N^2"] = 0.004 in 0.000001 ..= 10.0;
+        /// Accelerometer noise, variance of the specific force in units of g.
+        ekf_r_accel: "EKF4_R_ACC" Real [""] = 0.01 in 0.000001 ..= 10.0;
+        /// Altitude noise, variance.
+        ekf_r_altitude: "EKF4_R_ALT" Real ["m^2"] = 0.1 in 0.000001 ..= 10.0;
+        /// Tether length noise, variance.
+        ekf_r_length: "EKF4_R_LEN" Real ["m^2"] = 0.01 in 0.000001 ..= 10.0;
+        /// Velocity: gain towards the position estimate.
+        velocity_gain: "VEL_K_POS" Real ["1/s"] = 2.5 in 0.1 ..= 20.0;
+        /// Rest before the gyro bias and the level are taken.
+        levelling_time: "EST_LEVEL_T" Real ["s"] = 3.0 in 0.5 ..= 30.0;
+        /// Low-passed innovation test ratio beyond which the estimate counts as diverged.
+        divergence_ratio: "EST_DIV_RATIO" Real [""] = 9.0 in 1.0 ..= 1000.0;
+    }
+    "Position control" {
+        /// Tangential position gain.
+        position_p: "TPC_P" Real ["1/s^2"] = 1.2 in 0.05 ..= 20.0;
+        /// Tangential velocity gain.
+        position_d: "TPC_D" Real ["1/s"] = 2.0 in 0.05 ..= 20.0;
+        /// Tangential integral gain.
+        position_i: "TPC_I" Real ["1/s^3"] = 0.15 in 0.0 ..= 10.0;
+        /// Largest integral.
+        position_i_max: "TPC_I_MAX" Real ["m/s^2"] = 1.0 in 0.0 ..= 10.0;
+        /// Largest acceleration asked by the position loop.
+        accel_max: "TPC_ACC_MAX" Real ["m/s^2"] = 3.0 in 0.1 ..= 20.0;
+        /// Radial position gain (winch).
+        radial_p: "TPC_RAD_P" Real ["1/s^2"] = 1.5 in 0.05 ..= 20.0;
+        /// Radial velocity gain (winch).
+        radial_d: "TPC_RAD_D" Real ["1/s"] = 2.2 in 0.05 ..= 20.0;
+        /// Braking of outward motion on a fixed length.
+        brake: "TPC_BRAKE" Real ["1/s"] = 6.0 in 0.0 ..= 50.0;
+        /// Share of the estimated wind force that is fed forward.
+        wind_feed_forward: "TPC_WIND_FF" Real [""] = 1.0 in 0.0 ..= 1.0;
+        /// Lowest tension the guard allows on a fixed length.
+        tension_min: "TPC_TEN_MIN" Real ["N"] = 1.5 in 0.0 ..= 50.0;
+        /// Highest tension the guard allows on a fixed length.
+        tension_max: "TPC_TEN_MAX" Real ["N"] = 14.0 in 1.0 ..= 500.0;
+        /// Lowest total thrust in flight.
+        thrust_min: "TPC_THR_MIN" Real ["N"] = 2.0 in 0.1 ..= 100.0;
+        /// Highest total thrust asked by the position loop.
+        thrust_max: "TPC_THR_MAX" Real ["N"] = 28.0 in 1.0 ..= 2000.0;
+        /// Largest tilt.
+        tilt_max: "TPC_TILT_MAX" Real ["rad"] = 0.7854 in 0.1 ..= 1.2;
+        /// Speed of moves to a new set-point.
+        cruise_speed: "TPC_XY_CRUISE" Real ["m/s"] = 1.0 in 0.1 ..= 5.0;
+    }
+    "Attitude and rate control" {
+        /// Tilt error to rate.
+        attitude_p: "ATC_TILT_P" Real ["1/s"] = 7.0 in 0.5 ..= 30.0;
+        /// Yaw error to rate.
+        yaw_p: "ATC_YAW_P" Real ["1/s"] = 2.0 in 0.0 ..= 10.0;
+        /// Largest tilt rate.
+        tilt_rate_max: "ATC_RATE_MAX" Real ["rad/s"] = 4.0 in 0.5 ..= 20.0;
+        /// Largest yaw rate.
+        yaw_rate_max: "ATC_YAWRATE_MAX" Real ["rad/s"] = 1.0 in 0.1 ..= 10.0;
+        /// Rate error to angular acceleration.
+        rate_p: "RATE_P" Real ["1/s"] = 20.0 in 1.0 ..= 200.0;
+        /// Integral of the rate error.
+        rate_i: "RATE_I" Real ["1/s^2"] = 30.0 in 0.0 ..= 500.0;
+        /// Largest integral of the rate loop.
+        rate_i_max: "RATE_I_MAX" Real ["rad/s^2"] = 20.0 in 0.0 ..= 200.0;
+        /// Largest roll and pitch angle asked by the sticks.
+        stick_tilt_max: "MAN_TILT_MAX" Real ["rad"] = 0.5 in 0.1 ..= 1.0;
+        /// Largest yaw rate asked by the sticks.
+        stick_yaw_rate: "MAN_YAW_RATE" Real ["rad/s"] = 1.0 in 0.1 ..= 5.0;
+        /// Largest climb and sink rate asked by the sticks in Altitude.
+        stick_climb_rate: "MAN_CLIMB_RATE" Real ["m/s"] = 1.0 in 0.1 ..= 5.0;
+    }
+    "Take-off and landing" {
+        /// Altitude reached when the ground station names none.
+        takeoff_altitude: "MIS_TAKEOFF_ALT" Real ["m"] = 5.0 in 1.0 ..= 100.0;
+        /// Altitude of the vertical climb near the anchor (winch).
+        climb_altitude: "TKO_CLIMB_ALT" Real ["m"] = 3.0 in 0.5 ..= 20.0;
+        /// Duration of the thrust ramp on the ground.
+        spool_time: "TKO_SPOOL_T" Real ["s"] = 0.8 in 0.2 ..= 5.0;
+        /// Thrust at the end of that ramp, in weights of the vehicle, tether pull on top.
+        spool_thrust: "TKO_SPOOL_THR" Real [""] = 1.25 in 1.02 ..= 2.0;
+        /// Sink rate below 1 m.
+        land_speed: "LND_SPEED" Real ["m/s"] = 0.35 in 0.1 ..= 1.0;
+        /// Sink rate above 1 m.
+        descend_speed: "LND_SPEED_HIGH" Real ["m/s"] = 0.7 in 0.1 ..= 3.0;
+        /// Time on the ground before the motors stop by themselves.
+        disarm_delay: "COM_DISARM_LAND" Real ["s"] = 1.0 in 0.2 ..= 20.0;
+        /// Time armed on the ground without take-off before the motors stop by themselves.
+        preflight_disarm: "COM_DISARM_PRFLT" Real ["s"] = 15.0 in 2.0 ..= 120.0;
+    }
+    "Failsafes" {
+        /// Silence of the ground station before its action.
+        link_loss_time: "FS_LINK_T" Real ["s"] = 5.0 in 0.5 ..= 600.0;
+        /// On link loss: 1 = hold, 2 = land, 3 = flat-attitude descent.
+        link_loss_action: "FS_LINK_ACT" Int [""] = 2.0 in 1.0 ..= 3.0;
+        /// Time with a slack tether before its action.
+        slack_time: "FS_SLACK_T" Real ["s"] = 3.0 in 0.2 ..= 60.0;
+        /// Tension below which the tether counts as slack.
+        slack_tension: "FS_SLACK_TEN" Real ["N"] = 0.4 in 0.0 ..= 10.0;
+        /// Age at which the inertial sensor counts as stale.
+        imu_timeout: "FS_IMU_T" Real ["s"] = 0.1 in 0.02 ..= 1.0;
+        /// Age at which the altitude counts as lost.
+        altimeter_timeout: "FS_ALT_T" Real ["s"] = 1.0 in 0.1 ..= 10.0;
+        /// Time of failed innovation tests before the estimate counts as diverged.
+        divergence_time: "FS_EST_T" Real ["s"] = 1.0 in 0.1 ..= 10.0;
+        /// Cell voltage at which the vehicle lands.
+        battery_low: "BAT_LOW_V" Real ["V"] = 3.5 in 2.5 ..= 4.2;
+        /// Cell voltage at which it descends at once where it is.
+        battery_critical: "BAT_CRIT_V" Real ["V"] = 3.3 in 2.5 ..= 4.2;
+    }
+    "Ground station" {
+        /// MAVLink system id.
+        system_id: "MAV_SYS_ID" Int [""] = 1.0 in 1.0 ..= 255.0;
+        /// Autopilot type in the heartbeat: 12 = PX4 (modes and guided actions work in QGroundControl), 0 = generic.
+        autopilot_type: "MAV_AUTOPILOT" Int [""] = 12.0 in 0.0 ..= 12.0;
+        /// Airframe; QGroundControl wants it not zero.
+        airframe: "SYS_AUTOSTART" Int [""] = 4001.0 in 1.0 ..= 99999.0;
+        /// Whether a magnetometer is fitted; none is used.
+        has_magnetometer: "SYS_HAS_MAG" Int [""] = 0.0 in 0.0 ..= 0.0;
+        /// Identity of the calibrated gyro.
+        gyro_id: "CAL_GYRO0_ID" Int [""] = 42688.0 in 1.0 ..= 16777215.0;
+        /// Identity of the calibrated accelerometer.
+        accel_id: "CAL_ACC0_ID" Int [""] = 42688.0 in 1.0 ..= 16777215.0;
+        /// Stick input: 1 = joystick over MAVLink only.
+        rc_mode: "COM_RC_IN_MODE" Int [""] = 1.0 in 1.0 ..= 1.0;
+        /// Latitude of the anchor, for the synthetic global position.
+        home_latitude: "HOME_LAT" Real ["deg"] = 47.397742 in -90.0 ..= 90.0;
+        /// Longitude of the anchor.
+        home_longitude: "HOME_LON" Real ["deg"] = 8.545594 in -180.0 ..= 180.0;
+        /// Height of the anchor above mean sea level.
+        home_altitude: "HOME_ALT" Real ["m"] = 488.0 in -500.0 ..= 9000.0;
+    }
+}

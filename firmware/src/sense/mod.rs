@@ -1,0 +1,161 @@
+//! Raw readings → [`Sensors`]: mounting, calibration, filters, checks. Runs inside the step, so the
+//! simulator runs it too. NaN cannot enter: registers hold integers, and the few floats that drivers
+//! compute are checked here.
+
+mod altimeter;
+mod battery;
+mod calibrate;
+mod check;
+mod mount;
+
+pub use mount::Mounting;
+
+use crate::frames::Body;
+use crate::math::filter::{Biquad, Biquad3State};
+use crate::param::Params;
+use crate::scalar::Scalar;
+use crate::signal::{
+    Imu, ImuHealth, RawBarometer, RawBattery, RawImu, RawRange, RawTether, Sensors,
+};
+use crate::time::{Micros, Sample};
+use altimeter::{Altimeter, AltimeterState};
+use battery::{BatteryMonitor, BatteryState};
+use calibrate::Calibration;
+use check::{ImuCheck, ImuCheckState};
+
+/// What one count of the inertial sensor means, as its driver set it up.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ImuScale {
+    /// rad/s per count.
+    pub gyro: f32,
+    /// m/s² per count.
+    pub accel: f32,
+    /// Samples per second that reach the step.
+    pub rate_hz: f32,
+}
+
+/// Everything that drivers may hand over at one step.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct RawSensors {
+    /// Inertial sensor.
+    pub imu: Option<Sample<RawImu>>,
+    /// Barometer.
+    pub barometer: Option<Sample<RawBarometer>>,
+    /// Rangefinder.
+    pub range: Option<Sample<RawRange>>,
+    /// Battery monitor.
+    pub battery: Option<Sample<RawBattery>>,
+    /// Ground end of the tether.
+    pub tether: Option<Sample<RawTether>>,
+}
+
+/// Configuration of the stage.
+#[derive(Clone, Copy, Debug)]
+pub struct Sense<S: Scalar> {
+    mounting: Mounting,
+    calibration: Calibration<S>,
+    accel_filter: Biquad<S>,
+    gyro_filter: Biquad<S>,
+    notch: Biquad<S>,
+    check: ImuCheck,
+    altimeter: Altimeter<S>,
+    battery: BatteryMonitor<S>,
+}
+
+/// What moves in the stage.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct SenseState<S: Scalar> {
+    accel_filter: Biquad3State<S>,
+    gyro_filter: Biquad3State<S>,
+    accel_notch: Biquad3State<S>,
+    gyro_notch: Biquad3State<S>,
+    check: ImuCheckState,
+    altimeter: AltimeterState<S>,
+    battery: BatteryState<S>,
+    tether_at: Option<Micros>,
+    temperature: f32,
+}
+
+/// A tether length older than this counts as lost.
+const TETHER_TIMEOUT_US: u64 = 500_000;
+
+impl<S: Scalar> Sense<S> {
+    /// From the parameters and the driver's scale.
+    #[must_use]
+    pub fn new(params: &Params, scale: ImuScale) -> Self {
+        Self {
+            mounting: Mounting::from_parameter(params.board_rotation),
+            calibration: Calibration::new(params, scale),
+            accel_filter: Biquad::low_pass(params.accel_cutoff, scale.rate_hz),
+            gyro_filter: Biquad::low_pass(params.gyro_cutoff, scale.rate_hz),
+            notch: Biquad::notch(params.notch_freq, params.notch_bandwidth, scale.rate_hz),
+            check: ImuCheck::new(params),
+            altimeter: Altimeter::new(params),
+            battery: BatteryMonitor::new(params),
+        }
+    }
+
+    /// The filter that the accelerometer passes; the thrust model passes the same one.
+    #[must_use]
+    pub fn accel_filter(&self) -> &Biquad<S> {
+        &self.accel_filter
+    }
+
+    /// One step. `cos_tilt` of the last attitude projects the rangefinder.
+    pub fn step(
+        &self,
+        state: &mut SenseState<S>,
+        now: Micros,
+        raw: &RawSensors,
+        cos_tilt: S,
+    ) -> Sensors<S> {
+        let imu = raw.imu.and_then(|sample| {
+            let usable = self.check.step(&mut state.check, now, &sample);
+            if sample.value.temperature.is_finite() {
+                state.temperature = sample.value.temperature;
+            }
+            usable.then(|| Sample { at: sample.at, value: self.convert(state, &sample.value) })
+        });
+        let altitude = self.altimeter.step(&mut state.altimeter, raw, cos_tilt);
+        let tether_length = raw.tether.filter(|sample| sample.value.length_mm >= 0).map(|sample| {
+            state.tether_at = Some(sample.at);
+            Sample { at: sample.at, value: S::from_f32(sample.value.length_mm as f32 * 1e-3) }
+        });
+        Sensors {
+            imu,
+            altitude,
+            tether_length,
+            battery: self.battery.step(&mut state.battery, raw.battery),
+            imu_health: self.check.health(&state.check, now),
+            altitude_is_fresh: self.altimeter.is_fresh(&state.altimeter, now),
+            altitude_is_ranged: self.altimeter.is_ranged(&state.altimeter, now),
+            tether_is_fresh: state.tether_at.is_some_and(|at| now.since(at) < TETHER_TIMEOUT_US),
+            imu_temperature: state.temperature,
+        }
+    }
+
+    fn convert(&self, state: &mut SenseState<S>, raw: &RawImu) -> Imu<S> {
+        let accel = self.calibration.accel(self.mounting.to_body(raw.accel));
+        let gyro = self.calibration.gyro(self.mounting.to_body(raw.gyro));
+        let accel = state.accel_notch.step(&self.notch, accel);
+        let gyro = state.gyro_notch.step(&self.notch, gyro);
+        Imu {
+            accel: Body(state.accel_filter.step(&self.accel_filter, accel)),
+            gyro: Body(state.gyro_filter.step(&self.gyro_filter, gyro)),
+        }
+    }
+}
+
+impl ImuHealth {
+    /// What to tell the operator.
+    #[must_use]
+    pub const fn text(self) -> &'static str {
+        match self {
+            Self::Good => "IMU good",
+            Self::Missing => "IMU: no data",
+            Self::Stale => "IMU: data stale",
+            Self::Frozen => "IMU: data frozen",
+            Self::OutOfRange => "IMU: data out of range",
+        }
+    }
+}

@@ -1,0 +1,62 @@
+//! What is known of the vehicle. What an estimator cannot observe is `None`.
+
+use crate::frames::{Attitude, Body, V3, World};
+use crate::scalar::Scalar;
+
+/// Position in tether coordinates and the link's force.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct TetherState<S> {
+    /// Angle of anchor→vehicle above the horizontal, rad.
+    pub elevation: S,
+    /// Direction of anchor→vehicle from North, rad.
+    pub azimuth: S,
+    /// Distance from the anchor, m.
+    pub length: S,
+    /// Pull towards the anchor, N. Negative values are estimation error, not compression.
+    pub tension: S,
+    /// Whether the tether counts as taut.
+    pub is_taut: bool,
+}
+
+/// How well measurements and model agree: innovation² over its variance, low-passed over 1 s; 1 is
+/// what noise alone gives.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct FilterHealth<S> {
+    /// Accelerometer, mean of three axes.
+    pub accel: S,
+    /// Altitude.
+    pub altitude: S,
+    /// Tether length.
+    pub length: S,
+}
+
+/// Output of the estimate stage.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Estimate<S: Scalar = f32> {
+    /// Body to world.
+    pub attitude: Attitude<S>,
+    /// Angular rate with the gyro bias removed, rad/s.
+    pub rate: Body<V3<S>>,
+    /// Gyro bias, rad/s.
+    pub gyro_bias: Body<V3<S>>,
+    /// Height over the anchor and climb rate (up), m and m/s.
+    pub height: S,
+    /// Climb rate, m/s, up.
+    pub climb: S,
+    /// From the anchor, m. `None` before the filter starts and after it diverged.
+    pub position: Option<World<V3<S>>>,
+    /// m/s; with [`Self::position`].
+    pub velocity: Option<World<V3<S>>>,
+    /// With [`Self::position`].
+    pub tether: Option<TetherState<S>>,
+    /// One standard deviation of each coordinate, m.
+    pub position_sd: V3<S>,
+    /// Total thrust by the motor model, N, filtered as the accelerometer is.
+    pub thrust: S,
+    /// Innovation tests.
+    pub health: FilterHealth<S>,
+    /// Level and gyro bias were taken at rest.
+    pub is_levelled: bool,
+    /// The innovation tests have failed for too long.
+    pub has_diverged: bool,
+}

@@ -1,0 +1,17 @@
+//! Plain data between the stages. Missing is `None`; never NaN, never zero.
+
+mod command;
+mod estimate;
+mod event;
+mod reference;
+mod request;
+mod sensors;
+
+pub use command::{Actuation, MixerReport, ROTORS, WinchCommand, Wrench};
+pub use estimate::{Estimate, FilterHealth, TetherState};
+pub use event::{Event, EventQueue, Severity};
+pub use reference::{FlightReference, SphericalPoint};
+pub use request::{Action, Outcome, Reply, Request, Sticks, Ticket};
+pub use sensors::{
+    Battery, Imu, ImuHealth, RawBarometer, RawBattery, RawImu, RawRange, RawTether, Sensors,
+};

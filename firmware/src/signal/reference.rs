@@ -1,0 +1,48 @@
+//! What is asked.
+
+use crate::frames::{V3, World};
+use crate::scalar::Scalar;
+
+/// A place in tether coordinates.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SphericalPoint<S> {
+    /// Above the horizontal, rad.
+    pub elevation: S,
+    /// From North, rad.
+    pub azimuth: S,
+    /// From the anchor, m.
+    pub length: S,
+}
+
+impl<S: Scalar> SphericalPoint<S> {
+    /// In world axes.
+    #[must_use]
+    pub fn to_world(&self) -> World<V3<S>> {
+        let ((se, ce), (sa, ca)) = (self.elevation.sin_cos(), self.azimuth.sin_cos());
+        World(V3::new(ce * ca, ce * sa, -se) * self.length)
+    }
+
+    /// From world axes; straight above the anchor the azimuth is zero.
+    #[must_use]
+    pub fn from_world(p: &World<V3<S>>) -> Self {
+        let horizontal = (p.0.x * p.0.x + p.0.y * p.0.y).sqrt();
+        Self {
+            elevation: (-p.0.z).atan2(horizontal),
+            azimuth: p.0.y.atan2(p.0.x),
+            length: crate::math::so3::norm(&p.0),
+        }
+    }
+}
+
+/// Where to be now, and how fast to be moving.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FlightReference<S: Scalar = f32> {
+    /// From the anchor, m.
+    pub position: World<V3<S>>,
+    /// m/s.
+    pub velocity: World<V3<S>>,
+    /// Heading of the nose, rad from North.
+    pub yaw: S,
+    /// Tension, N.
+    pub tension: S,
+}

@@ -1,0 +1,111 @@
+//! What somebody outside asks of the vehicle, and what it answers.
+
+use crate::supervisor::Mode;
+
+/// Who asked, so that the answer finds its way back. Opaque to the vehicle.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Ticket {
+    /// MAVLink command number; 0 where no acknowledgement is wanted.
+    pub command: u16,
+    /// System that asked.
+    pub system: u8,
+    /// Its component.
+    pub component: u8,
+}
+
+/// One request.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Request {
+    /// For the answer.
+    pub ticket: Ticket,
+    /// What to do.
+    pub action: Action,
+}
+
+/// Things that may be asked. Angles rad, lengths m; the values may be anything, the vehicle checks.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Action {
+    /// Start the motors. `force` skips the checks, except those without which no flight is possible.
+    Arm {
+        /// Skip the checks that may be skipped.
+        force: bool,
+    },
+    /// Stop the motors. In the air only with `force`.
+    Disarm {
+        /// Also in the air.
+        force: bool,
+    },
+    /// Change the flight mode.
+    SetMode(Mode),
+    /// Take off to this altitude over the anchor, or to the parameter's.
+    Takeoff {
+        /// m over the anchor.
+        altitude: Option<f32>,
+    },
+    /// Move to a place in world axes (north, east, down from the anchor); `None` keeps a coordinate.
+    MoveTo {
+        /// m.
+        ned: [Option<f32>; 3],
+        /// Heading, rad from North.
+        yaw: Option<f32>,
+    },
+    /// Move in tether coordinates; `None` keeps a coordinate.
+    MoveTether {
+        /// Above the horizontal.
+        elevation: Option<f32>,
+        /// From North.
+        azimuth: Option<f32>,
+        /// From the anchor.
+        length: Option<f32>,
+        /// N.
+        tension: Option<f32>,
+    },
+    /// Stop where the vehicle is.
+    Pause,
+    /// Store a parameter. The link has checked the value.
+    SetParam {
+        /// Position in `param::META`.
+        index: usize,
+        /// New value.
+        value: f32,
+    },
+    /// All parameters back to their defaults.
+    ResetParams,
+    /// Take level and gyro bias again (at rest, disarmed).
+    Level,
+}
+
+/// How a request ended; MAVLink's results.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Outcome {
+    /// Done or under way.
+    Accepted,
+    /// Not now; an event says why.
+    Rejected,
+    /// Never with these values; an event says why.
+    Denied,
+}
+
+/// Answer to a [`Request`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Reply {
+    /// The request's ticket.
+    pub ticket: Ticket,
+    /// How it ended.
+    pub outcome: Outcome,
+    /// A stored parameter that changed, for the echo.
+    pub parameter: Option<usize>,
+}
+
+/// Joystick, each axis -1..1.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Sticks {
+    /// Right positive.
+    pub roll: f32,
+    /// Forward (nose down) positive.
+    pub pitch: f32,
+    /// Clockwise positive.
+    pub yaw: f32,
+    /// 0 (bottom) to 1 (top).
+    pub throttle: f32,
+}

@@ -1,0 +1,111 @@
+//! What arrived this tick: as read from the registers, and in SI units.
+
+use crate::frames::{Body, V3};
+use crate::scalar::Scalar;
+use crate::time::Sample;
+
+/// Inertial sensor, counts in the sensor's own axes.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct RawImu {
+    /// Accelerometer x, y, z.
+    pub accel: [i16; 3],
+    /// Gyro x, y, z.
+    pub gyro: [i16; 3],
+    /// Die temperature, °C.
+    pub temperature: f32,
+}
+
+/// Barometer, compensated by its driver.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct RawBarometer {
+    /// Pressure in 1/100 Pa.
+    pub pressure_centipascal: i32,
+    /// Temperature, °C.
+    pub temperature: f32,
+}
+
+/// Rangefinder, along the body's down axis.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct RawRange {
+    /// Distance in cm; `None` where the part says that its reading is invalid.
+    pub distance_cm: Option<u16>,
+}
+
+/// Battery monitor: voltages at the two ADC pins, mV.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct RawBattery {
+    /// At the voltage divider.
+    pub voltage_mv: u16,
+    /// At the current sensor.
+    pub current_mv: u16,
+}
+
+/// Ground end of the tether: length paid out, mm.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct RawTether {
+    /// Winch encoder.
+    pub length_mm: i32,
+}
+
+/// Calibrated and filtered inertial reading.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Imu<S: Scalar = f32> {
+    /// Angular rate, rad/s. Bias not removed.
+    pub gyro: Body<V3<S>>,
+    /// Specific force, m/s²: (0, 0, -g) when level at rest.
+    pub accel: Body<V3<S>>,
+}
+
+/// State of the inertial sensor.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum ImuHealth {
+    /// Nothing arrived since boot.
+    #[default]
+    Missing,
+    /// Readings are fresh and plausible.
+    Good,
+    /// The last reading is too old.
+    Stale,
+    /// Readings repeat to the last bit, which noise forbids.
+    Frozen,
+    /// Readings sit at the end of the range, or the part says that they are invalid.
+    OutOfRange,
+}
+
+/// Battery in SI units.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Battery<S> {
+    /// Pack voltage, V.
+    pub voltage: S,
+    /// Current, A.
+    pub current: S,
+    /// Charge drawn since boot, A s.
+    pub drawn: S,
+    /// Low-passed voltage per cell, V.
+    pub cell: S,
+    /// Remaining share by voltage, 0..1.
+    pub remaining: S,
+}
+
+/// Everything the later stages see of the sensors.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sensors<S: Scalar = f32> {
+    /// `None`: nothing new this tick.
+    pub imu: Option<Sample<Imu<S>>>,
+    /// Height of the centre of mass over the anchor, m. `None`: nothing new this tick.
+    pub altitude: Option<Sample<S>>,
+    /// Length paid out, m. `None`: nothing new this tick.
+    pub tether_length: Option<Sample<S>>,
+    /// `None` until the first reading.
+    pub battery: Option<Battery<S>>,
+    /// State of the inertial sensor.
+    pub imu_health: ImuHealth,
+    /// Whether an altitude arrived within its time-out.
+    pub altitude_is_fresh: bool,
+    /// Whether the altitude comes from the rangefinder (else from the barometer).
+    pub altitude_is_ranged: bool,
+    /// Whether a tether length arrived within its time-out.
+    pub tether_is_fresh: bool,
+    /// Die temperature of the inertial sensor, °C.
+    pub imu_temperature: f32,
+}

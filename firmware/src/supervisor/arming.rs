@@ -1,0 +1,170 @@
+//! May the motors start? Each check with what the operator reads.
+
+use crate::signal::ImuHealth;
+
+/// What the checks look at.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ArmingFacts {
+    /// State of the inertial sensor.
+    pub imu: ImuHealth,
+    /// Level and gyro bias were taken.
+    pub is_levelled: bool,
+    /// Cosine of the tilt.
+    pub cos_tilt: f32,
+    /// An altitude arrived in time.
+    pub altitude_is_fresh: bool,
+    /// The tether's ground end reports, or the length is fixed.
+    pub tether_is_known: bool,
+    /// Volts per cell; `None` without a reading.
+    pub cell: Option<f32>,
+    /// Volts per cell below which no flight starts.
+    pub cell_low: f32,
+    /// A ground station speaks.
+    pub link_is_up: bool,
+    /// The mode flies by sticks, and their throttle is not at the bottom (or they are missing).
+    pub throttle_is_open: bool,
+    /// Weight and tension over the largest thrust.
+    pub hover_share: f32,
+}
+
+/// One row of [`ARMING_CHECKS`].
+#[derive(Clone, Copy, Debug)]
+pub struct ArmingCheck {
+    /// Short name.
+    pub name: &'static str,
+    /// What the operator reads when it fails; at most 50 bytes.
+    pub text: &'static str,
+    /// A forced arming skips it.
+    pub may_be_forced: bool,
+    /// Whether it passes.
+    pub passes: fn(&ArmingFacts) -> bool,
+}
+
+/// All checks, in the order in which they are reported.
+pub const ARMING_CHECKS: [ArmingCheck; 12] = [
+    ArmingCheck {
+        name: "imu present",
+        text: "Arming denied: IMU: no data",
+        may_be_forced: false,
+        passes: |f| f.imu != ImuHealth::Missing,
+    },
+    ArmingCheck {
+        name: "imu fresh",
+        text: "Arming denied: IMU: data stale",
+        may_be_forced: false,
+        passes: |f| f.imu != ImuHealth::Stale,
+    },
+    ArmingCheck {
+        name: "imu alive",
+        text: "Arming denied: IMU: data frozen",
+        may_be_forced: false,
+        passes: |f| f.imu != ImuHealth::Frozen,
+    },
+    ArmingCheck {
+        name: "imu in range",
+        text: "Arming denied: IMU: data out of range",
+        may_be_forced: false,
+        passes: |f| f.imu != ImuHealth::OutOfRange,
+    },
+    ArmingCheck {
+        name: "levelled",
+        text: "Arming denied: not levelled, keep it still",
+        may_be_forced: false,
+        passes: |f| f.is_levelled,
+    },
+    ArmingCheck {
+        name: "upright",
+        text: "Arming denied: tilted more than 20 deg",
+        may_be_forced: false,
+        passes: |f| f.cos_tilt > 0.94,
+    },
+    ArmingCheck {
+        name: "altitude",
+        text: "Arming denied: no altitude",
+        may_be_forced: true,
+        passes: |f| f.altitude_is_fresh,
+    },
+    ArmingCheck {
+        name: "tether length",
+        text: "Arming denied: no tether length from winch",
+        may_be_forced: true,
+        passes: |f| f.tether_is_known,
+    },
+    ArmingCheck {
+        name: "battery",
+        text: "Arming denied: battery low or not measured",
+        may_be_forced: true,
+        passes: |f| f.cell.is_some_and(|v| v > f.cell_low),
+    },
+    ArmingCheck {
+        name: "thrust reserve",
+        text: "Arming denied: too heavy for the thrust",
+        may_be_forced: false,
+        passes: |f| f.hover_share < 0.8,
+    },
+    ArmingCheck {
+        name: "ground station",
+        text: "Arming denied: no ground station",
+        may_be_forced: true,
+        passes: |f| f.link_is_up,
+    },
+    ArmingCheck {
+        name: "throttle",
+        text: "Arming denied: throttle open or no joystick",
+        may_be_forced: false,
+        passes: |f| !f.throttle_is_open,
+    },
+];
+
+impl ArmingCheck {
+    /// The first check that fails.
+    #[must_use]
+    pub fn first_failure(facts: &ArmingFacts, force: bool) -> Option<&'static Self> {
+        ARMING_CHECKS.iter().find(|check| !(check.passes)(facts) && !(force && check.may_be_forced))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn good() -> ArmingFacts {
+        ArmingFacts {
+            imu: ImuHealth::Good,
+            is_levelled: true,
+            cos_tilt: 1.0,
+            altitude_is_fresh: true,
+            tether_is_known: true,
+            cell: Some(3.9),
+            cell_low: 3.5,
+            link_is_up: true,
+            throttle_is_open: false,
+            hover_share: 0.5,
+        }
+    }
+
+    #[test]
+    fn each_fault_is_refused_with_its_own_text() {
+        assert!(ArmingCheck::first_failure(&good(), false).is_none());
+        let faults = [
+            ArmingFacts { imu: ImuHealth::Missing, ..good() },
+            ArmingFacts { imu: ImuHealth::Stale, ..good() },
+            ArmingFacts { imu: ImuHealth::Frozen, ..good() },
+            ArmingFacts { imu: ImuHealth::OutOfRange, ..good() },
+            ArmingFacts { is_levelled: false, ..good() },
+            ArmingFacts { cos_tilt: 0.5, ..good() },
+            ArmingFacts { altitude_is_fresh: false, ..good() },
+            ArmingFacts { tether_is_known: false, ..good() },
+            ArmingFacts { cell: None, ..good() },
+            ArmingFacts { hover_share: f32::NAN, ..good() },
+            ArmingFacts { link_is_up: false, ..good() },
+            ArmingFacts { throttle_is_open: true, ..good() },
+        ];
+        for (fault, check) in faults.iter().zip(&ARMING_CHECKS) {
+            let failed = ArmingCheck::first_failure(fault, false).unwrap();
+            assert_eq!(failed.name, check.name);
+            assert!(failed.text.len() <= 50);
+            assert_eq!(ArmingCheck::first_failure(fault, true).is_none(), check.may_be_forced);
+        }
+    }
+}

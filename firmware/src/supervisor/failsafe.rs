@@ -1,0 +1,316 @@
+//! What fails in the air, and in which named safe state it ends. The most severe action wins.
+
+use super::mode::Mode;
+use crate::param::Params;
+use crate::signal::ImuHealth;
+use crate::time::Micros;
+
+/// What can fail.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u8)]
+pub enum Failure {
+    /// No fresh, living inertial data.
+    ImuLost = 0,
+    /// Inertial data at the end of its range.
+    ImuClipped = 1,
+    /// The position estimate contradicts its measurements.
+    EstimatorDiverged = 2,
+    /// Neither rangefinder nor barometer.
+    AltimeterLost = 3,
+    /// No tension.
+    TetherSlack = 4,
+    /// The winch no longer says how much it paid out.
+    TetherLengthLost = 5,
+    /// Battery below the critical voltage.
+    BatteryCritical = 6,
+    /// Battery below the low voltage.
+    BatteryLow = 7,
+    /// The ground station is silent.
+    LinkLost = 8,
+    /// The joystick is silent in a mode that flies by it.
+    SticksLost = 9,
+}
+
+/// Where a failure ends. Ordered by severity.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum FailsafeAction {
+    /// Tether Hold where it is.
+    Hold,
+    /// Return and land, then motors off.
+    Land,
+    /// Level descent where it is, then motors off.
+    Descend,
+    /// Motors off at once.
+    Terminate,
+}
+
+impl FailsafeAction {
+    /// The mode in which it flies; `None` when the motors stop.
+    #[must_use]
+    pub const fn mode(self) -> Option<Mode> {
+        match self {
+            Self::Hold => Some(Mode::TetherHold),
+            Self::Land => Some(Mode::Land),
+            Self::Descend => Some(Mode::Descent),
+            Self::Terminate => None,
+        }
+    }
+}
+
+/// What the table looks at.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FailsafeFacts {
+    /// Present mode.
+    pub mode: Mode,
+    /// State of the inertial sensor.
+    pub imu: ImuHealth,
+    /// From the estimator.
+    pub has_diverged: bool,
+    /// An altitude arrived in time.
+    pub altitude_is_fresh: bool,
+    /// The estimator sees tension.
+    pub is_taut: bool,
+    /// The ground end reports, or the length is fixed.
+    pub tether_is_known: bool,
+    /// Volts per cell.
+    pub cell: Option<f32>,
+    /// A ground station spoke within the time-out of one second.
+    pub link_is_up: bool,
+    /// A joystick spoke within the same time.
+    pub sticks_are_up: bool,
+}
+
+/// Times and thresholds from the parameters.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Failsafes {
+    link_delay_us: u64,
+    link_action: FailsafeAction,
+    slack_delay_us: u64,
+    cell_low: f32,
+    cell_critical: f32,
+}
+
+/// One row of [`FAILSAFES`].
+#[derive(Clone, Copy, Debug)]
+pub struct Failsafe {
+    /// What failed.
+    pub failure: Failure,
+    /// What the operator reads; at most 50 bytes.
+    pub text: &'static str,
+    /// Whether it is present.
+    pub is_present: fn(&Failsafes, &FailsafeFacts) -> bool,
+    /// How long it must last, µs.
+    pub delay: fn(&Failsafes) -> u64,
+    /// Where it ends.
+    pub action: fn(&Failsafes) -> FailsafeAction,
+}
+
+/// Battery sag under a manoeuvre shall not land the vehicle.
+const BATTERY_DELAY_US: u64 = 3_000_000;
+
+/// All failures, ordered as [`Failure`].
+pub const FAILSAFES: [Failsafe; 10] = [
+    Failsafe {
+        failure: Failure::ImuLost,
+        text: "IMU lost: motors off",
+        is_present: |_, f| {
+            matches!(f.imu, ImuHealth::Missing | ImuHealth::Stale | ImuHealth::Frozen)
+        },
+        delay: |_| 0,
+        action: |_| FailsafeAction::Terminate,
+    },
+    Failsafe {
+        failure: Failure::ImuClipped,
+        text: "IMU out of range: descending",
+        is_present: |_, f| f.imu == ImuHealth::OutOfRange,
+        delay: |_| 0,
+        action: |_| FailsafeAction::Descend,
+    },
+    Failsafe {
+        failure: Failure::EstimatorDiverged,
+        text: "Position estimate diverged: descending",
+        is_present: |_, f| f.has_diverged && f.mode.rule().needs.position,
+        delay: |_| 0,
+        action: |_| FailsafeAction::Descend,
+    },
+    Failsafe {
+        failure: Failure::AltimeterLost,
+        text: "Altimeter lost: descending",
+        is_present: |_, f| !f.altitude_is_fresh && f.mode.rule().needs.altitude,
+        delay: |_| 0,
+        action: |_| FailsafeAction::Descend,
+    },
+    Failsafe {
+        failure: Failure::TetherSlack,
+        text: "Tether slack: descending",
+        is_present: |_, f| !f.is_taut && f.mode.rule().needs.position,
+        delay: |c| c.slack_delay_us,
+        action: |_| FailsafeAction::Descend,
+    },
+    Failsafe {
+        failure: Failure::TetherLengthLost,
+        text: "Tether length lost: landing",
+        is_present: |_, f| !f.tether_is_known && f.mode.rule().needs.position,
+        delay: |_| 0,
+        action: |_| FailsafeAction::Land,
+    },
+    Failsafe {
+        failure: Failure::BatteryCritical,
+        text: "Battery critical: descending",
+        is_present: |c, f| f.cell.is_some_and(|v| v < c.cell_critical),
+        delay: |_| BATTERY_DELAY_US,
+        action: |_| FailsafeAction::Descend,
+    },
+    Failsafe {
+        failure: Failure::BatteryLow,
+        text: "Battery low: landing",
+        is_present: |c, f| f.cell.is_some_and(|v| v < c.cell_low),
+        delay: |_| BATTERY_DELAY_US,
+        action: |_| FailsafeAction::Land,
+    },
+    Failsafe {
+        failure: Failure::LinkLost,
+        text: "Ground station lost",
+        is_present: |_, f| !f.link_is_up,
+        delay: |c| c.link_delay_us,
+        action: |c| c.link_action,
+    },
+    Failsafe {
+        failure: Failure::SticksLost,
+        text: "Joystick lost: descending",
+        is_present: |_, f| !f.sticks_are_up && f.mode.rule().needs.sticks,
+        delay: |_| 500_000,
+        action: |_| FailsafeAction::Descend,
+    },
+];
+
+/// Since when each failure is present, and which have been announced.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct FailsafeState {
+    since: [Option<Micros>; 10],
+    /// Bit n: row n of [`FAILSAFES`] has lasted its delay.
+    pub active: u16,
+}
+
+impl Failsafes {
+    /// From the parameters.
+    #[must_use]
+    pub fn new(p: &Params) -> Self {
+        let micros = |seconds: f32| (seconds * 1e6) as u64;
+        Self {
+            link_delay_us: micros(p.link_loss_time),
+            link_action: match p.link_loss_action as i32 {
+                1 => FailsafeAction::Hold,
+                3 => FailsafeAction::Descend,
+                _ => FailsafeAction::Land,
+            },
+            slack_delay_us: micros(p.slack_time),
+            cell_low: p.battery_low,
+            cell_critical: p.battery_critical,
+        }
+    }
+
+    /// Updates the timers; the most severe action due, and the row to announce if it is a new one.
+    pub fn step(
+        &self,
+        state: &mut FailsafeState,
+        facts: &FailsafeFacts,
+        now: Micros,
+    ) -> (Option<FailsafeAction>, Option<&'static Failsafe>) {
+        let mut worst: Option<FailsafeAction> = None;
+        let mut fresh: Option<(FailsafeAction, &'static Failsafe)> = None;
+        for ((row, since), bit) in FAILSAFES.iter().zip(&mut state.since).zip(0_u32..) {
+            let mask = 1_u16 << bit;
+            if !(row.is_present)(self, facts) {
+                *since = None;
+                state.active &= !mask;
+                continue;
+            }
+            let began = *since.get_or_insert(now);
+            if now.since(began) < (row.delay)(self) {
+                continue;
+            }
+            let action = (row.action)(self);
+            worst = worst.max(Some(action));
+            if state.active & mask == 0 {
+                state.active |= mask;
+                if fresh.is_none_or(|(known, _)| action > known) {
+                    fresh = Some((action, row));
+                }
+            }
+        }
+        (worst, fresh.map(|(_, row)| row))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn healthy() -> FailsafeFacts {
+        FailsafeFacts {
+            mode: Mode::TetherHold,
+            imu: ImuHealth::Good,
+            has_diverged: false,
+            altitude_is_fresh: true,
+            is_taut: true,
+            tether_is_known: true,
+            cell: Some(3.9),
+            link_is_up: true,
+            sticks_are_up: false,
+        }
+    }
+
+    fn settled(facts: FailsafeFacts) -> Option<FailsafeAction> {
+        let safes = Failsafes::new(&Params::default());
+        let mut state = FailsafeState::default();
+        (0..100_u64).map(|i| safes.step(&mut state, &facts, Micros(i * 100_000)).0).last().flatten()
+    }
+
+    #[test]
+    fn every_failure_ends_in_its_named_state() {
+        use FailsafeAction::{Descend, Land, Terminate};
+        let h = healthy();
+        assert_eq!(settled(h), None);
+        assert_eq!(settled(FailsafeFacts { imu: ImuHealth::Stale, ..h }), Some(Terminate));
+        assert_eq!(settled(FailsafeFacts { imu: ImuHealth::Frozen, ..h }), Some(Terminate));
+        assert_eq!(settled(FailsafeFacts { imu: ImuHealth::OutOfRange, ..h }), Some(Descend));
+        assert_eq!(settled(FailsafeFacts { has_diverged: true, ..h }), Some(Descend));
+        assert_eq!(settled(FailsafeFacts { altitude_is_fresh: false, ..h }), Some(Descend));
+        assert_eq!(settled(FailsafeFacts { is_taut: false, ..h }), Some(Descend));
+        assert_eq!(settled(FailsafeFacts { tether_is_known: false, ..h }), Some(Land));
+        assert_eq!(settled(FailsafeFacts { cell: Some(3.4), ..h }), Some(Land));
+        assert_eq!(settled(FailsafeFacts { cell: Some(3.1), ..h }), Some(Descend));
+        assert_eq!(settled(FailsafeFacts { link_is_up: false, ..h }), Some(Land));
+        let manual = FailsafeFacts { mode: Mode::Stabilize, ..h };
+        assert_eq!(settled(manual), Some(Descend));
+        let flown = FailsafeFacts { sticks_are_up: true, ..manual };
+        assert_eq!(
+            settled(FailsafeFacts { altitude_is_fresh: false, is_taut: false, ..flown }),
+            None
+        );
+    }
+
+    #[test]
+    fn rows_stand_in_the_order_of_their_failures_and_fit_a_statustext() {
+        for (i, row) in FAILSAFES.iter().enumerate() {
+            assert_eq!(row.failure as usize, i);
+            assert!(row.text.len() <= 50);
+        }
+    }
+
+    #[test]
+    fn a_failure_shorter_than_its_delay_does_nothing_and_is_announced_once() {
+        let safes = Failsafes::new(&Params::default());
+        let mut state = FailsafeState::default();
+        let lost = FailsafeFacts { link_is_up: false, ..healthy() };
+        assert_eq!(safes.step(&mut state, &lost, Micros(0)).0, None);
+        assert_eq!(safes.step(&mut state, &lost, Micros(4_900_000)).0, None);
+        assert_eq!(safes.step(&mut state, &healthy(), Micros(4_950_000)).0, None);
+        assert_eq!(safes.step(&mut state, &lost, Micros(5_000_000)).0, None);
+        let (action, announced) = safes.step(&mut state, &lost, Micros(10_000_000));
+        assert_eq!(action, Some(FailsafeAction::Land));
+        assert!(announced.is_some());
+        assert!(safes.step(&mut state, &lost, Micros(10_001_000)).1.is_none());
+    }
+}

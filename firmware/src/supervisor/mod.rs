@@ -1,0 +1,13 @@
+//! May the vehicle do this, and what must it do when something fails? Tables and pure functions.
+
+mod arming;
+mod failsafe;
+mod ground;
+mod mode;
+
+pub use arming::{ARMING_CHECKS, ArmingCheck, ArmingFacts};
+pub use failsafe::{
+    FAILSAFES, Failsafe, FailsafeAction, FailsafeFacts, FailsafeState, Failsafes, Failure,
+};
+pub use ground::{GroundContact, GroundState, TouchDown, TouchDownInput, TouchDownState};
+pub use mode::{MODES, Mode, ModeRule, Needs};

@@ -1,0 +1,32 @@
+//! Time is an argument: nothing in the core reads a clock.
+
+/// Microseconds since boot.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Micros(pub u64);
+
+impl Micros {
+    /// Elapsed microseconds since `earlier`; zero if `earlier` lies ahead.
+    #[must_use]
+    pub const fn since(self, earlier: Self) -> u64 {
+        self.0.saturating_sub(earlier.0)
+    }
+    /// Elapsed seconds since `earlier`; zero if `earlier` lies ahead.
+    #[must_use]
+    pub fn seconds_since(self, earlier: Self) -> f32 {
+        self.since(earlier) as f32 * 1e-6
+    }
+    /// Milliseconds since boot, as MAVLink counts them (wraps after 49 days).
+    #[must_use]
+    pub const fn boot_ms(self) -> u32 {
+        (self.0 / 1000) as u32
+    }
+}
+
+/// A value and when it was true.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Sample<T> {
+    /// When the sensor measured.
+    pub at: Micros,
+    /// What it measured.
+    pub value: T,
+}

@@ -1,0 +1,10 @@
+//! Smooth ways from here to there.
+
+mod leg;
+mod plan;
+mod smooth_step;
+
+pub use leg::{Leg, Shape};
+pub(crate) use plan::direction_of;
+pub use plan::{Plan, Planner};
+pub use smooth_step::smooth_step;

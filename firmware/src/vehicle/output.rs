@@ -1,0 +1,91 @@
+//! What goes in and what comes out. Log and telemetry only read [`StepOutput`].
+
+use super::Vehicle;
+use crate::frames::{Body, V3};
+use crate::scalar::Scalar;
+use crate::sense::RawSensors;
+use crate::signal::{
+    Actuation, Estimate, EventQueue, FlightReference, MixerReport, Reply, Request, Sensors, Sticks,
+    Wrench,
+};
+use crate::supervisor::{GroundState, Mode};
+use crate::time::{Micros, Sample};
+
+/// Everything that one step may read.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct StepInput {
+    /// Now.
+    pub now: Micros,
+    /// From the drivers.
+    pub sensors: RawSensors,
+    /// When a ground station last spoke.
+    pub heartbeat_at: Option<Micros>,
+    /// Joystick, if one spoke.
+    pub sticks: Option<Sample<Sticks>>,
+    /// One request.
+    pub request: Option<Request>,
+}
+
+/// Everything that one step has to say.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StepOutput<S: Scalar = f32> {
+    /// Now.
+    pub now: Micros,
+    /// After the sense stage.
+    pub sensors: Sensors<S>,
+    /// After the estimate stage.
+    pub estimate: Estimate<S>,
+    /// In the modes that have one.
+    pub reference: Option<FlightReference<S>>,
+    /// Body rates wanted, rad/s.
+    pub rate_setpoint: Body<V3<S>>,
+    /// Asked of the mixer.
+    pub wrench: Wrench<S>,
+    /// What the mixer could not give.
+    pub mixer: MixerReport,
+    /// To motors and winch.
+    pub actuation: Actuation<S>,
+    /// Flight mode.
+    pub mode: Mode,
+    /// Motors may turn.
+    pub is_armed: bool,
+    /// On the ground or not.
+    pub ground: GroundState,
+    /// All arming checks pass.
+    pub is_armable: bool,
+    /// Bit n: row n of the failsafe table is active.
+    pub failures: u16,
+    /// Answer to this step's request.
+    pub reply: Option<Reply>,
+    /// For the operator.
+    pub events: EventQueue,
+}
+
+impl<S: Scalar> Vehicle<S> {
+    pub(super) fn report(
+        &self,
+        now: Micros,
+        sensors: &Sensors<S>,
+        reply: Option<Reply>,
+        events: EventQueue,
+    ) -> StepOutput<S> {
+        let state = &self.state;
+        StepOutput {
+            now,
+            sensors: *sensors,
+            estimate: state.estimate,
+            reference: state.reference,
+            rate_setpoint: state.attitude.rate,
+            wrench: state.wrench,
+            mixer: state.mixer,
+            actuation: state.actuation,
+            mode: state.mode,
+            is_armed: state.armed_at.is_some(),
+            ground: state.ground,
+            is_armable: self.is_armable(sensors, now),
+            failures: state.failsafe.active,
+            reply,
+            events,
+        }
+    }
+}

@@ -1,0 +1,3 @@
+//! Barometers.
+
+pub mod dps310;

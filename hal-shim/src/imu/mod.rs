@@ -1,0 +1,3 @@
+//! Inertial sensors.
+
+pub mod icm42688;

@@ -1,0 +1,23 @@
+//! Drivers and actuator outputs over embedded-hal 1.0: the only place where registers are known.
+//!
+//! | module | part | bus |
+//! |---|---|---|
+//! | [`imu::icm42688`] | TDK ICM-42688-P | SPI |
+//! | [`barometer::dps310`] | Infineon DPS310, Goertek SPL06 | I2C |
+//! | [`rangefinder::tfmini`] | Benewake TFmini-S / Plus | UART (embedded-io) |
+//! | [`motors`] | ESCs by 400 Hz PWM or OneShot125 | `SetDutyCycle` |
+//! | [`battery`] | voltage and current pins | [`battery::AdcPin`] |
+//!
+//! With the feature `fake`, [`fake`] holds a register-level fake of each: what the simulator plugs in,
+//! so that it runs these very drivers. Drivers never wait for themselves except in `init`.
+
+#![cfg_attr(not(any(test, feature = "fake")), no_std)]
+#![forbid(unsafe_code)]
+
+pub mod barometer;
+pub mod battery;
+#[cfg(any(test, feature = "fake"))]
+pub mod fake;
+pub mod imu;
+pub mod motors;
+pub mod rangefinder;

@@ -1,0 +1,3 @@
+//! Rangefinders.
+
+pub mod tfmini;
