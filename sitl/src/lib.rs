@@ -1,1 +1,23 @@
-//! x
+//! Tautline's simulator: the firmware's own step function against a simulated tethered quadrotor.
+//!
+//! The plant is written apart from the estimators' models and imports nothing of them: a sign error in
+//! shared code would cancel and pass. Sensors are register-level fakes read by the real drivers. One
+//! [`world::World::step`] is one millisecond: plant → sensors → drivers → `Vehicle::step` → ESCs.
+//! The same seed gives the same flight, bit for bit.
+
+#![forbid(unsafe_code)]
+
+pub mod campaign;
+pub mod command;
+pub mod flight;
+pub mod inject;
+pub mod metrics;
+pub mod params_file;
+pub mod pilot;
+pub mod plant;
+pub mod record;
+pub mod report;
+pub mod scenario;
+pub mod sensor;
+pub mod udp;
+pub mod world;

@@ -94,6 +94,19 @@ impl Parser {
         self.pending()
     }
 
+    /// Ends a datagram: no frame spans two, so what is left is garbage, unless a whole frame hides in it.
+    pub fn flush(&mut self) -> Option<Frame> {
+        while !self.buffer.is_empty() {
+            self.garbage_bytes = self.garbage_bytes.wrapping_add(1);
+            self.buffer.rotate_left(1);
+            self.buffer.pop();
+            if let Some(frame) = self.pending() {
+                return Some(frame);
+            }
+        }
+        None
+    }
+
     /// A further frame from what is already buffered.
     pub fn pending(&mut self) -> Option<Frame> {
         let mut skip = 0;

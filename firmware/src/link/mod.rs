@@ -112,6 +112,15 @@ impl Link {
         self.counters.bad_frames = self.parser.bad_frames;
     }
 
+    /// Takes one whole datagram.
+    pub fn receive_datagram(&mut self, now: Micros, bytes: &[u8], params: &Params, sink: Sink) {
+        self.receive(now, bytes, params, sink);
+        while let Some(frame) = self.parser.flush() {
+            self.hear(now, &frame, params, sink);
+        }
+        self.counters.garbage_bytes = self.parser.garbage_bytes;
+    }
+
     /// The next request for the vehicle.
     pub fn next_request(&mut self) -> Option<Request> {
         self.requests.pop_front()

@@ -27,7 +27,7 @@ params! {
         /// Lowest thrust of one rotor in flight; keeps the motors turning.
         rotor_thrust_min: "MOT_THR_MIN" Real ["N"] = 0.05 in 0.0 ..= 10.0;
         /// Share of the square law in throttle to thrust: thrust = f u^2 + (1-f) u.
-        thrust_factor: "THR_MDL_FAC" Real [""] = 0.6 in 0.0 ..= 1.0;
+        thrust_factor: "THR_MDL_FAC" Real [""] = 0.55 in 0.0 ..= 1.0;
         /// True thrust per commanded thrust, as identified in slack hover or by a thrust stand.
         thrust_scale: "THR_SCALE" Real [""] = 1.0 in 0.5 ..= 1.5;
         /// Battery voltage at which MOT_THR_MAX holds; 0 turns the compensation off.

@@ -162,6 +162,12 @@ impl<S: Scalar> Vehicle<S> {
         &self.params
     }
 
+    /// Tension asked of the winch, N.
+    #[must_use]
+    pub fn winch_tension(&self) -> S {
+        self.state.actuation.winch.tension
+    }
+
     /// One step; call it at every inertial sample, or at the same rate when the sensor is silent.
     pub fn step(&mut self, input: &StepInput) -> StepOutput<S> {
         let mut events = EventQueue::default();

@@ -6,6 +6,7 @@ use embedded_hal::delay::DelayNs;
 use embedded_hal::i2c::I2c;
 
 /// Registers.
+#[allow(missing_docs)] // The names are the data sheet's.
 pub mod register {
     pub const PRESSURE: u8 = 0x00;
     pub const PRS_CFG: u8 = 0x06;
@@ -23,10 +24,13 @@ use register as reg;
 pub const IDENTITY: u8 = 0x10;
 /// Address with SDO low.
 pub const ADDRESS: u8 = 0x76;
-/// MEAS_CFG: coefficients ready, sensor ready, temperature ready, pressure ready.
+/// MEAS_CFG: the calibration can be read.
 pub const COEF_READY: u8 = 1 << 7;
+/// MEAS_CFG: start-up is over.
 pub const SENSOR_READY: u8 = 1 << 6;
+/// MEAS_CFG: a new temperature.
 pub const TEMPERATURE_READY: u8 = 1 << 5;
+/// MEAS_CFG: a new pressure.
 pub const PRESSURE_READY: u8 = 1 << 4;
 /// MEAS_CFG: continuous pressure and temperature.
 pub const CONTINUOUS: u8 = 0x07;
@@ -34,8 +38,9 @@ pub const CONTINUOUS: u8 = 0x07;
 const PRS_32HZ_X8: u8 = 0x53;
 /// TMP_CFG: 8 Hz, single; bit 7 chooses the external sensor.
 const TMP_8HZ_X1: u8 = 0x30;
-/// Raw full scale at 8 times and at single oversampling.
+/// Raw full scale at 8 times oversampling.
 pub const SCALE_X8: f32 = 7_864_320.0;
+/// Raw full scale at single oversampling.
 pub const SCALE_X1: f32 = 524_288.0;
 /// Identity reads before giving up: the first may fail until the bus has toggled.
 const IDENTITY_TRIES: u8 = 5;
@@ -157,9 +162,7 @@ impl<I2C: I2c> Dps310<I2C> {
             return Err(Error::NotReady { found: state });
         }
         let mut bytes = [0; 18];
-        self.i2c
-            .write_read(self.address, &[reg::COEFFICIENTS], &mut bytes)
-            .map_err(Error::Bus)?;
+        self.i2c.write_read(self.address, &[reg::COEFFICIENTS], &mut bytes).map_err(Error::Bus)?;
         self.coefficients = Coefficients::from_bytes(&bytes);
         // The coefficients belong to one of two temperature sensors; use that one.
         let source = self.read(reg::COEF_SRCE)? & 0x80;
@@ -195,7 +198,9 @@ impl<I2C: I2c> Dps310<I2C> {
 
     /// Some DPS310 read 60 °C after reset without this sequence (known from their drivers).
     fn temperature_fix(&mut self) -> Result<(), Error<I2C::Error>> {
-        for (register, value) in [(0x0E, 0xA5), (0x0F, 0x96), (0x62, 0x02), (0x0E, 0x00), (0x0F, 0x00)] {
+        for (register, value) in
+            [(0x0E, 0xA5), (0x0F, 0x96), (0x62, 0x02), (0x0E, 0x00), (0x0F, 0x00)]
+        {
             self.write(register, value)?;
         }
         Ok(())
@@ -225,7 +230,6 @@ mod tests {
             p: [79832.0, -56308.0, -9701.0, -1289.0],
             t: [-2295.0, 1444.0, 111.0],
         };
-        let _ = &k;
         let x16 = 253_952.0;
         let got = k.compensate(-108_202.0 / x16, 73_535.0 / x16);
         assert!((got.temperature - 25.0).abs() < 0.01, "{got:?}");

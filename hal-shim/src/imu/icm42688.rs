@@ -8,6 +8,7 @@ use embedded_hal::delay::DelayNs;
 use embedded_hal::spi::SpiDevice;
 
 /// Registers of bank 0, and of banks 1 and 2 for the anti-alias filter.
+#[allow(missing_docs)] // The names are the data sheet's.
 pub mod register {
     pub const DEVICE_CONFIG: u8 = 0x11;
     pub const INT_CONFIG: u8 = 0x14;
@@ -42,6 +43,7 @@ pub const RESET_DONE: u8 = 1 << 4;
 pub const LOW_NOISE: u8 = 0x0F;
 /// INTF_CONFIG1 bits 7:6 = 01: adaptive full scale off.
 pub const AFSR_OFF: u8 = 0x40;
+/// The bits it changes.
 pub const AFSR_MASK: u8 = 0xC0;
 
 /// Gyro full scale; the value is the register's code.

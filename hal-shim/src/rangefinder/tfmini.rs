@@ -76,7 +76,8 @@ impl<UART: Read + ReadReady> TfMini<UART> {
             let payload = self.buffer.iter().take(FRAME - 1);
             if is_start && payload.fold(0_u8, |sum, &b| sum.wrapping_add(b)) == sum {
                 self.filled = 0;
-                let (distance, strength) = (u16::from_le_bytes([dl, dh]), u16::from_le_bytes([sl, sh]));
+                let (distance, strength) =
+                    (u16::from_le_bytes([dl, dh]), u16::from_le_bytes([sl, sh]));
                 let is_valid = distance > 0
                     && distance < INVALID_FROM
                     && (STRENGTH_MIN..u16::MAX).contains(&strength);

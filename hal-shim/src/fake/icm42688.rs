@@ -1,0 +1,228 @@
+//! Fake ICM-42688-P: four register banks behind SPI.
+//!
+//! Traps reproduced: RESET_DONE only 1 ms after a reset; data registers 0x8000 until the sensors have
+//! started; a bank that stays selected; the 1–2 ms gyro freeze near 100 °/s while the adaptive full
+//! scale is on; an empty FIFO's header byte. The FIFO itself is not modelled.
+
+use super::FakeClock;
+use crate::imu::icm42688::{
+    AFSR_MASK, AFSR_OFF, IDENTITY, INVALID, RESET_DONE, accel_full_scale, gyro_full_scale,
+    register as reg,
+};
+use embedded_hal::spi::{ErrorType, Operation, SpiDevice};
+use std::convert::Infallible;
+
+const GYRO_START_US: u64 = 30_000;
+const ACCEL_START_US: u64 = 10_000;
+const RESET_US: u64 = 1_000;
+const FREEZE_US: u64 = 1_500;
+/// Rate at which the adaptive full scale switches, rad/s, and the width of the trap.
+const AFSR_RATE: f64 = 1.745;
+const AFSR_BAND: f64 = 0.05;
+const FIFO_DATA: u8 = 0x30;
+const FIFO_EMPTY: u8 = 0x80;
+
+/// The part.
+#[derive(Debug)]
+pub struct FakeIcm42688 {
+    clock: FakeClock,
+    banks: [[u8; 128]; 4],
+    reset_at: u64,
+    powered_at: Option<u64>,
+    frozen_until: u64,
+    gyro: [i16; 3],
+    accel: [i16; 3],
+    temperature: i16,
+    /// Data registers keep their values: a hung part.
+    pub is_hung: bool,
+    /// The part no longer drives the bus: all ones.
+    pub is_dead: bool,
+}
+
+impl FakeIcm42688 {
+    /// Just powered up.
+    #[must_use]
+    pub fn new(clock: FakeClock) -> Self {
+        let mut part = Self {
+            clock,
+            banks: [[0; 128]; 4],
+            reset_at: 0,
+            powered_at: None,
+            frozen_until: 0,
+            gyro: [INVALID; 3],
+            accel: [INVALID; 3],
+            temperature: 0,
+            is_hung: false,
+            is_dead: false,
+        };
+        part.reset();
+        part
+    }
+
+    /// The truth at the sensor, its own axes: specific force m/s², rate rad/s, temperature °C.
+    pub fn set_motion(&mut self, accel: [f64; 3], gyro: [f64; 3], temperature: f64) {
+        if self.is_hung {
+            return;
+        }
+        let now = self.clock.now_us();
+        let started = |after: u64| self.powered_at.is_some_and(|at| now >= at + after);
+        let quantise =
+            |x: f64, full: f64| (x / full * 32_768.0).round().clamp(-32_767.0, 32_767.0) as i16;
+        let code = |register: u8| self.get(0, register) >> 5;
+        let accel_full = f64::from(accel_full_scale(code(reg::ACCEL_CONFIG0)));
+        let gyro_full = f64::from(gyro_full_scale(code(reg::GYRO_CONFIG0)));
+        self.temperature =
+            ((temperature - 25.0) * 132.48).round().clamp(-32_768.0, 32_767.0) as i16;
+        if started(ACCEL_START_US) {
+            self.accel = accel.map(|x| quantise(x, accel_full));
+        }
+        let adapts = self.get(0, reg::INTF_CONFIG1) & AFSR_MASK != AFSR_OFF;
+        let near = gyro.iter().any(|w| (w.abs() - AFSR_RATE).abs() < AFSR_BAND);
+        if adapts && near && now >= self.frozen_until + 10 * FREEZE_US {
+            self.frozen_until = now + FREEZE_US;
+        }
+        if started(GYRO_START_US) && now >= self.frozen_until {
+            self.gyro = gyro.map(|w| quantise(w, gyro_full));
+        }
+    }
+
+    fn reset(&mut self) {
+        self.banks = [[0; 128]; 4];
+        for (register, value) in [
+            (0x4C, 0x30),
+            (reg::INTF_CONFIG1, 0x91),
+            (reg::GYRO_CONFIG0, 0x06),
+            (reg::ACCEL_CONFIG0, 0x06),
+            (0x51, 0x16),
+            (0x52, 0x11),
+            (0x53, 0x0D),
+            (0x54, 0x23),
+            (0x62, 0x10),
+            (reg::INT_CONFIG1, 0x10),
+            (reg::WHO_AM_I, IDENTITY),
+        ] {
+            self.put(0, register, value);
+        }
+        self.reset_at = self.clock.now_us();
+        self.powered_at = None;
+        self.gyro = [INVALID; 3];
+        self.accel = [INVALID; 3];
+    }
+
+    fn get(&self, bank: u8, register: u8) -> u8 {
+        let bank = self.banks.get(usize::from(bank & 3));
+        bank.and_then(|bank| bank.get(usize::from(register & 0x7F))).copied().unwrap_or(0)
+    }
+
+    fn put(&mut self, bank: u8, register: u8, value: u8) {
+        let bank = self.banks.get_mut(usize::from(bank & 3));
+        if let Some(slot) = bank.and_then(|bank| bank.get_mut(usize::from(register & 0x7F))) {
+            *slot = value;
+        }
+    }
+
+    fn selected(&self) -> u8 {
+        self.get(0, reg::REG_BANK_SEL) & 3
+    }
+
+    fn read(&mut self, register: u8) -> u8 {
+        if self.is_dead {
+            return 0xFF;
+        }
+        if register == reg::REG_BANK_SEL || self.selected() != 0 {
+            return if register == reg::REG_BANK_SEL {
+                self.selected()
+            } else {
+                self.get(self.selected(), register)
+            };
+        }
+        let words = [self.temperature].into_iter().chain(self.accel).chain(self.gyro);
+        let mut data = words.flat_map(i16::to_be_bytes);
+        match register {
+            reg::TEMP_DATA1..=0x2A => {
+                data.nth(usize::from(register - reg::TEMP_DATA1)).unwrap_or(0)
+            }
+            reg::INT_STATUS => {
+                let done = self.clock.now_us() >= self.reset_at + RESET_US;
+                let status = self.get(0, register) | if done { RESET_DONE } else { 0 };
+                self.put(0, register, 0);
+                status
+            }
+            FIFO_DATA => FIFO_EMPTY,
+            _ => self.get(0, register),
+        }
+    }
+
+    fn write(&mut self, register: u8, value: u8) {
+        if self.is_dead {
+            return;
+        }
+        if register == reg::REG_BANK_SEL {
+            return self.put(0, register, value & 7);
+        }
+        let bank = self.selected();
+        if bank == 0 && register == reg::DEVICE_CONFIG && value & 1 != 0 {
+            return self.reset();
+        }
+        if bank == 0
+            && register == reg::PWR_MGMT0
+            && value & 0x0F == 0x0F
+            && self.powered_at.is_none()
+        {
+            self.powered_at = Some(self.clock.now_us());
+        }
+        if bank != 0 || register != reg::WHO_AM_I {
+            self.put(bank, register, value);
+        }
+    }
+}
+
+impl ErrorType for FakeIcm42688 {
+    type Error = Infallible;
+}
+
+impl SpiDevice for FakeIcm42688 {
+    /// One chip select: the first byte is the address, which then counts up.
+    fn transaction(&mut self, operations: &mut [Operation<'_, u8>]) -> Result<(), Infallible> {
+        let mut address: Option<u8> = None;
+        let mut exchange = |part: &mut Self, sent: u8| -> u8 {
+            let Some(at) = address else {
+                address = Some(sent);
+                return 0;
+            };
+            address = Some((at & reg::READ) | (at.wrapping_add(1) & !reg::READ));
+            if at & reg::READ != 0 {
+                return part.read(at & !reg::READ);
+            }
+            part.write(at, sent);
+            0
+        };
+        for operation in operations {
+            match operation {
+                Operation::Write(bytes) => {
+                    for &byte in bytes.iter() {
+                        exchange(self, byte);
+                    }
+                }
+                Operation::Read(bytes) => {
+                    for byte in bytes.iter_mut() {
+                        *byte = exchange(self, 0);
+                    }
+                }
+                Operation::TransferInPlace(bytes) => {
+                    for byte in bytes.iter_mut() {
+                        *byte = exchange(self, *byte);
+                    }
+                }
+                Operation::Transfer(into, from) => {
+                    let sent = from.iter().copied().chain(std::iter::repeat(0));
+                    for (byte, sent) in into.iter_mut().zip(sent) {
+                        *byte = exchange(self, sent);
+                    }
+                }
+                Operation::DelayNs(_) => {}
+            }
+        }
+        Ok(())
+    }
+}

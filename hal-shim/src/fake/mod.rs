@@ -1,0 +1,42 @@
+//! Register-level fakes of every part: what the simulator plugs in and the drivers are tested on.
+//!
+//! A fake holds registers, a clock and a physical truth that its owner sets; it answers on the same bus
+//! trait as the part. It quantises and saturates as its registers say, and it has the part's traps.
+
+mod adc;
+mod dps310;
+mod esc;
+mod icm42688;
+mod tfmini;
+
+pub use adc::FakePin;
+pub use dps310::FakeDps310;
+pub use esc::FakeEsc;
+pub use icm42688::FakeIcm42688;
+pub use tfmini::FakeTfMini;
+
+use std::cell::Cell;
+use std::rc::Rc;
+
+/// Simulated time, shared by all fakes of a vehicle. As a delay it moves that time on, which is what
+/// drivers wait for in `init`.
+#[derive(Clone, Debug, Default)]
+pub struct FakeClock(Rc<Cell<u64>>);
+
+impl FakeClock {
+    /// µs since power-up.
+    #[must_use]
+    pub fn now_us(&self) -> u64 {
+        self.0.get() / 1000
+    }
+    /// Sets the time; it never runs back.
+    pub fn advance_to(&self, now_us: u64) {
+        self.0.set(self.0.get().max(now_us * 1000));
+    }
+}
+
+impl embedded_hal::delay::DelayNs for FakeClock {
+    fn delay_ns(&mut self, ns: u32) {
+        self.0.set(self.0.get() + u64::from(ns));
+    }
+}

@@ -1,0 +1,306 @@
+//! `cargo sitl [fly]`.
+
+use super::Failure;
+use super::status::StatusLine;
+use crate::flight::Flight;
+use crate::params_file;
+use crate::pilot::Progress;
+use crate::scenario::{Scenario, Step, TetherKind, set_param};
+use crate::udp::Udp;
+use clap::Args;
+use std::fs::{self, File};
+use std::io::BufWriter;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+use tautline_firmware::param::Params;
+
+/// Network and pace are looked at every so many simulated milliseconds.
+const CHUNK_MS: u64 = 4;
+
+/// Options of a flight.
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Example:\n  cargo sitl fly --speedup 5 --home 47.3977,8.5456,488,90 --param TET_TENSION=8"
+)]
+pub struct Options {
+    /// No network and no status line; fly the scenario's mission (or a standard one) as fast as it goes
+    #[arg(long)]
+    headless: bool,
+    /// Simulated per real seconds; 0 = as fast as it can
+    #[arg(long, value_name = "N", value_parser = speedup)]
+    speedup: Option<f64>,
+    /// Anchor's latitude, longitude, altitude and the nose's heading, degrees and m
+    #[arg(long, value_name = "LAT,LNG,ALT,YAW", value_parser = home, allow_hyphen_values = true)]
+    home: Option<Home>,
+    /// Instance: shifts the UDP ports and the MAVLink system id
+    #[arg(long, value_name = "I", default_value_t = 0, value_parser = clap::value_parser!(u16).range(0..=99))]
+    instance: u16,
+    /// Set a parameter (repeatable)
+    #[arg(long, value_name = "NAME=VALUE", value_parser = assignment)]
+    param: Vec<(String, f32)>,
+    /// Parameters from a file in QGroundControl's format
+    #[arg(long, value_name = "FILE")]
+    params: Option<PathBuf>,
+    /// What is simulated
+    #[arg(long, value_name = "FILE.toml")]
+    scenario: Option<PathBuf>,
+    /// Everything random follows from it
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    seed: u64,
+    /// End after so many simulated seconds
+    #[arg(long, value_name = "S", value_parser = duration)]
+    duration: Option<f64>,
+    /// Where logs go
+    #[arg(long, value_name = "DIR", default_value = "logs")]
+    log_dir: PathBuf,
+}
+
+/// `--home`.
+#[derive(Clone, Copy, Debug)]
+struct Home {
+    latitude: f32,
+    longitude: f32,
+    altitude: f32,
+    heading: f64,
+}
+
+fn number(text: &str) -> Result<f64, String> {
+    text.trim()
+        .parse::<f64>()
+        .ok()
+        .filter(|x| x.is_finite())
+        .ok_or(format!("{text} is not a number"))
+}
+
+fn speedup(text: &str) -> Result<f64, String> {
+    let x = number(text)?;
+    if (0.0..=10_000.0).contains(&x) { Ok(x) } else { Err("outside 0 to 10000".into()) }
+}
+
+fn duration(text: &str) -> Result<f64, String> {
+    let x = number(text)?;
+    if x > 0.0 && x <= 1e7 { Ok(x) } else { Err("outside 0 to 1e7 s".into()) }
+}
+
+fn home(text: &str) -> Result<Home, String> {
+    let parts = text.split(',').map(number).collect::<Result<Vec<_>, _>>()?;
+    let [latitude, longitude, altitude, yaw] = parts.as_slice() else {
+        return Err("expected four numbers: lat,lng,alt,yaw".into());
+    };
+    if yaw.abs() > 360.0 {
+        return Err("yaw outside -360 to 360".into());
+    }
+    Ok(Home {
+        latitude: *latitude as f32,
+        longitude: *longitude as f32,
+        altitude: *altitude as f32,
+        heading: yaw.to_radians(),
+    })
+}
+
+fn assignment(text: &str) -> Result<(String, f32), String> {
+    let (name, value) = text.split_once('=').ok_or("expected NAME=VALUE")?;
+    Ok((name.to_owned(), number(value)? as f32))
+}
+
+fn set(params: &mut Params, name: &str, value: f32) -> Result<(), Failure> {
+    set_param(params, name, value).map_err(Failure::Usage)
+}
+
+fn parameters(options: &Options, scenario: &Scenario) -> Result<Params, Failure> {
+    let mut params = scenario.params().map_err(|e| Failure::Usage(e.0))?;
+    if let Some(home) = &options.home {
+        set(&mut params, "HOME_LAT", home.latitude)?;
+        set(&mut params, "HOME_LON", home.longitude)?;
+        set(&mut params, "HOME_ALT", home.altitude)?;
+    }
+    set(&mut params, "MAV_SYS_ID", f32::from(options.instance + 1))?;
+    // A ground station's heartbeats come in real time: the silence that counts as loss grows with the
+    // speed-up (PX4's SITL does the same).
+    if let Some(factor) = options.speedup.filter(|&factor| factor > 1.0) {
+        let scaled = (f64::from(params.link_loss_time) * factor).min(600.0);
+        set(&mut params, "FS_LINK_T", scaled as f32)?;
+    }
+    if let Some(file) = &options.params {
+        params_file::load(&mut params, file).map_err(Failure::Usage)?;
+    }
+    for (name, value) in &options.param {
+        set(&mut params, name, *value)?;
+    }
+    Ok(params)
+}
+
+/// The next free name in the log folder.
+fn log_path(folder: &Path) -> Result<PathBuf, Failure> {
+    fs::create_dir_all(folder).map_err(|e| Failure::Usage(format!("{}: {e}", folder.display())))?;
+    (1..100_000)
+        .map(|n| folder.join(format!("flight-{n:04}.ulg")))
+        .find(|path| !path.exists())
+        .ok_or_else(|| Failure::Usage(format!("{}: too many logs", folder.display())))
+}
+
+/// Take off to 5 m, hold a minute, move 20° round, land.
+fn standard_mission() -> Vec<Step> {
+    let azimuth = Some(20_f64.to_radians());
+    vec![
+        Step::Arm,
+        Step::Takeoff { altitude: 5.0 },
+        Step::Hold { seconds: 60.0 },
+        Step::Move { elevation: None, azimuth, length: None, tension: None },
+        Step::Hold { seconds: 10.0 },
+        Step::Land,
+    ]
+}
+
+fn describe(scenario: &Scenario, options: &Options, params: &Params) {
+    let (v, t, w) = (&scenario.vehicle, &scenario.tether, &scenario.wind);
+    if !scenario.title.is_empty() {
+        println!("{}", scenario.title);
+    }
+    let tether = match t.kind {
+        TetherKind::Winch => format!(
+            "constant-tension winch, {} N, {} m paid out in flight",
+            params.tension, params.tether_length
+        ),
+        TetherKind::Fixed => format!("fixed tether of {} m", t.length),
+    };
+    let gusts = if w.gusts { " with Dryden gusts" } else { "" };
+    println!(
+        "Simulating a {} kg quadrotor on a {tether}; wind {} m/s{gusts}; seed {}.",
+        v.mass, w.speed, options.seed
+    );
+}
+
+/// Flies.
+pub fn run(options: &Options) -> Result<(), Failure> {
+    let mut scenario = match &options.scenario {
+        Some(path) => Scenario::load(path).map_err(|e| Failure::Usage(e.0))?,
+        None => Scenario::default(),
+    };
+    if let Some(home) = &options.home {
+        scenario.vehicle.heading = home.heading;
+    }
+    if options.headless && scenario.mission.is_empty() {
+        scenario.mission = standard_mission();
+    }
+    let params = parameters(options, &scenario)?;
+    let mut udp = if options.headless {
+        None
+    } else {
+        Some(Udp::bind(options.instance).map_err(Failure::Usage)?)
+    };
+    let path = log_path(&options.log_dir)?;
+    let file =
+        File::create(&path).map_err(|e| Failure::Usage(format!("{}: {e}", path.display())))?;
+    let mut flight =
+        Flight::new(&scenario, params, options.seed, BufWriter::with_capacity(1 << 16, file))
+            .map_err(|e| Failure::Run(e.0))?;
+
+    describe(&scenario, options, &params);
+    if let Some(udp) = &udp {
+        let homes: Vec<_> = udp.homes().iter().map(ToString::to_string).collect();
+        println!(
+            "MAVLink over UDP to {} (ground stations, then programs), system {}.",
+            homes.join(" and "),
+            params.system_id
+        );
+        println!(
+            "Connect QGroundControl, or: mavproxy.py --master=udp:127.0.0.1:14550. Ctrl-C ends."
+        );
+    }
+    let stop = Arc::new(AtomicBool::new(false));
+    let flag = Arc::clone(&stop);
+    // Ctrl-C a second time would be lost without a handler; a failure to set one only costs the clean end.
+    let _ = ctrlc::set_handler(move || flag.store(true, Ordering::Relaxed));
+
+    let began = Instant::now();
+    simulate(options, &mut flight, udp.as_mut(), &stop);
+    finish(flight, udp.as_ref(), began, &path)
+}
+
+fn simulate(
+    options: &Options,
+    flight: &mut Flight<BufWriter<File>>,
+    mut udp: Option<&mut Udp>,
+    stop: &AtomicBool,
+) {
+    let factor = options.speedup.unwrap_or(if options.headless { 0.0 } else { 1.0 });
+    let has_mission = *flight.pilot.progress() == Progress::Flying;
+    let mut status = StatusLine::new();
+    let limit = options.duration.unwrap_or(f64::INFINITY);
+    let began = Instant::now();
+    let mut told = 0;
+    while !stop.load(Ordering::Relaxed)
+        && flight.world.time() < limit
+        && !(has_mission && flight.is_over())
+    {
+        if let Some(udp) = udp.as_deref_mut() {
+            let mut answers = Vec::new();
+            udp.receive(|datagram| {
+                flight.world.receive(datagram, &mut |frame| answers.push(frame.to_vec()));
+            });
+            for answer in answers {
+                udp.send(&answer);
+            }
+        }
+        let mut last = None;
+        for _ in 0..CHUNK_MS {
+            last = Some(flight.step(&mut |frame| {
+                if let Some(udp) = udp.as_deref_mut() {
+                    udp.send(frame);
+                }
+            }));
+        }
+        for (time, event) in flight.events.iter().skip(told) {
+            status.say(&format!("{time:7.1} s  {}", event.text));
+        }
+        told = flight.events.len();
+        if let (false, Some(out)) = (options.headless, &last) {
+            status.show(&flight.world, out);
+        }
+        if factor > 0.0 {
+            let due = Duration::from_secs_f64(flight.world.time() / factor);
+            if let Some(ahead) = due.checked_sub(began.elapsed()) {
+                std::thread::sleep(ahead);
+            }
+        }
+    }
+    status.close();
+}
+
+fn finish(
+    flight: Flight<BufWriter<File>>,
+    udp: Option<&Udp>,
+    began: Instant,
+    path: &Path,
+) -> Result<(), Failure> {
+    let (simulated, real) = (flight.world.time(), began.elapsed().as_secs_f64());
+    let counters = flight.world.link.counters();
+    println!(
+        "{simulated:.1} s simulated in {real:.1} s ({:.0} x). MAVLink: {} heard, {} sent, {} frames and {} bytes dropped, {} refused, {} queue overflows.",
+        simulated / real.max(1e-3),
+        counters.received,
+        counters.sent,
+        counters.bad_frames,
+        counters.garbage_bytes,
+        counters.refused,
+        counters.overflowed,
+    );
+    if let Some(udp) = udp.filter(|udp| udp.send_errors > 0) {
+        println!("{} datagrams could not be sent.", udp.send_errors);
+    }
+    let progress = flight.pilot.progress().clone();
+    let summary = flight.metrics.summary();
+    if let Ok(json) = serde_json::to_string(&summary) {
+        println!("Against the truth: {json}");
+    }
+    flight.recorder.finish().map_err(|e| Failure::Run(format!("{}: {e}", path.display())))?;
+    println!("Log: {}", path.display());
+    match (progress, summary.lost) {
+        (Progress::Failed(why), _) => Err(Failure::Run(why)),
+        (_, Some(why)) => Err(Failure::Run(format!("the vehicle was lost: {why}"))),
+        _ => Ok(()),
+    }
+}

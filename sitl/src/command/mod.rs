@@ -1,0 +1,72 @@
+//! The command line: `cargo sitl …`.
+
+mod campaign;
+mod fly;
+mod plot;
+mod status;
+
+use clap::{Parser, Subcommand};
+use std::process::ExitCode;
+
+/// What a command may end with: a message for the operator and an exit code.
+#[derive(Debug)]
+pub enum Failure {
+    /// A bad option, file or value: code 2.
+    Usage(String),
+    /// The run itself failed: code 1.
+    Run(String),
+}
+
+/// Flies Tautline's flight core against a simulated tethered quadrotor.
+#[derive(Debug, Parser)]
+#[command(
+    name = "sitl",
+    version,
+    args_conflicts_with_subcommands = true,
+    after_help = "Examples:\n  cargo sitl\n  cargo sitl --speedup 10 --param TET_TENSION=8\n  cargo sitl --headless --scenario sitl/scenarios/gusts-3.toml --seed 7\n  cargo sitl campaign sitl/campaigns/gusts-3.toml --out out"
+)]
+struct Cli {
+    #[command(subcommand)]
+    command: Option<Command>,
+    #[command(flatten)]
+    fly: fly::Options,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Fly a scenario and speak MAVLink over UDP (the default).
+    Fly(fly::Options),
+    /// Fly a scenario over many seeds and judge it against limits.
+    Campaign(campaign::Options),
+    /// Draw a log.
+    Plot(plot::Options),
+    /// Print all parameters in QGroundControl's file format.
+    Params,
+}
+
+/// Runs the command line; bad options end with code 2.
+#[must_use]
+pub fn run() -> ExitCode {
+    let cli = Cli::parse();
+    let result = match cli.command {
+        None => fly::run(&cli.fly),
+        Some(Command::Fly(options)) => fly::run(&options),
+        Some(Command::Campaign(options)) => campaign::run(&options),
+        Some(Command::Plot(options)) => plot::run(&options),
+        Some(Command::Params) => {
+            print!("{}", crate::params_file::to_text(&tautline_firmware::param::Params::default()));
+            Ok(())
+        }
+    };
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(Failure::Usage(message)) => {
+            eprintln!("error: {message}");
+            ExitCode::from(2)
+        }
+        Err(Failure::Run(message)) => {
+            eprintln!("error: {message}");
+            ExitCode::FAILURE
+        }
+    }
+}

@@ -1,0 +1,29 @@
+//! `cargo sitl plot`.
+
+use super::Failure;
+use crate::report::{FlightData, draw_flight};
+use clap::Args;
+use std::path::PathBuf;
+
+/// Options of a picture.
+#[derive(Debug, Args)]
+#[command(after_help = "Example:\n  cargo sitl plot logs/flight-0001.ulg --out flight.svg")]
+pub struct Options {
+    /// A log that the simulator wrote
+    #[arg(value_name = "LOG.ulg")]
+    log: PathBuf,
+    /// The picture
+    #[arg(long, value_name = "FILE.svg", default_value = "flight.svg")]
+    out: PathBuf,
+    /// Its title
+    #[arg(long, default_value = "Tautline: a flight on the tether")]
+    title: String,
+}
+
+/// Draws.
+pub fn run(options: &Options) -> Result<(), Failure> {
+    let data = FlightData::read(&options.log).map_err(Failure::Usage)?;
+    draw_flight(&data, &options.title, &options.out).map_err(Failure::Run)?;
+    println!("Picture: {}", options.out.display());
+    Ok(())
+}

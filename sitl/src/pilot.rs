@@ -1,0 +1,199 @@
+//! The built-in pilot: flies a scenario's mission by MAVLink, as a ground station would.
+
+use crate::scenario::Step;
+use mavlink::dialects::common::{COMMAND_LONG_DATA, HEARTBEAT_DATA, MavAutopilot, MavCmd, MavType};
+use mavlink::{MAVLinkV2MessageRaw, MavHeader, MessageData};
+use tautline_firmware::supervisor::{GroundState, Mode};
+use tautline_firmware::vehicle::StepOutput;
+
+/// Ground station's ids.
+const SYSTEM: u32 = 255;
+const COMPONENT: u8 = 190;
+/// A step of the mission that takes longer has failed, s.
+const PATIENCE: f64 = 120.0;
+const HEARTBEAT_PERIOD: f64 = 0.5;
+/// A command is sent again after this time, s.
+const REPEAT: f64 = 1.0;
+
+/// How the mission stands.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Progress {
+    /// Under way.
+    Flying,
+    /// All steps done.
+    Done,
+    /// A step failed.
+    Failed(String),
+}
+
+/// State of the mission.
+#[derive(Debug)]
+pub struct Pilot {
+    steps: Vec<Step>,
+    at: usize,
+    step_began: f64,
+    commanded_at: Option<f64>,
+    heartbeat_at: f64,
+    sequence: u8,
+    target: u8,
+    progress: Progress,
+}
+
+impl Pilot {
+    /// For a mission; `system` is the vehicle's MAVLink id.
+    #[must_use]
+    pub fn new(steps: &[Step], system: u8) -> Self {
+        Self {
+            steps: steps.to_vec(),
+            at: 0,
+            step_began: 0.0,
+            commanded_at: None,
+            heartbeat_at: f64::NEG_INFINITY,
+            sequence: 0,
+            target: system,
+            progress: if steps.is_empty() { Progress::Done } else { Progress::Flying },
+        }
+    }
+
+    /// How the mission stands.
+    #[must_use]
+    pub fn progress(&self) -> &Progress {
+        &self.progress
+    }
+
+    /// Whether a hold is being flown: the time to measure.
+    #[must_use]
+    pub fn is_holding(&self) -> bool {
+        matches!(self.steps.get(self.at), Some(Step::Hold { .. }))
+            && self.progress == Progress::Flying
+    }
+
+    /// Looks at the vehicle's last step and says what to say.
+    pub fn step(&mut self, out: &StepOutput, time: f64, say: &mut dyn FnMut(&[u8])) {
+        if self.progress != Progress::Flying {
+            return;
+        }
+        if time >= self.heartbeat_at + HEARTBEAT_PERIOD {
+            self.heartbeat_at = time;
+            let heartbeat = HEARTBEAT_DATA {
+                mavtype: MavType::MAV_TYPE_GCS,
+                autopilot: MavAutopilot::MAV_AUTOPILOT_INVALID,
+                ..HEARTBEAT_DATA::default()
+            };
+            self.send(&heartbeat, say);
+        }
+        let Some(step) = self.steps.get(self.at).cloned() else {
+            self.progress = Progress::Done;
+            return;
+        };
+        let waited = time - self.step_began;
+        if self.is_done(&step, out, waited) {
+            self.at += 1;
+            self.step_began = time;
+            self.commanded_at = None;
+            return;
+        }
+        let patience = match step {
+            Step::Hold { seconds } => seconds + 1.0,
+            Step::AwaitDisarmed { timeout } => timeout,
+            _ => PATIENCE,
+        };
+        if waited > patience {
+            self.progress = Progress::Failed(format!("{step:?} not done after {patience} s"));
+            return;
+        }
+        let is_flight = !matches!(step, Step::Arm | Step::AwaitDisarmed { .. });
+        if is_flight && !out.is_armed && waited > REPEAT && !matches!(step, Step::Land) {
+            self.progress = Progress::Failed(format!("disarmed during {step:?}"));
+            return;
+        }
+        if self.commanded_at.is_none_or(|at| time > at + REPEAT) && self.command(&step, out, say) {
+            self.commanded_at = Some(time);
+        }
+    }
+
+    fn is_done(&self, step: &Step, out: &StepOutput, waited: f64) -> bool {
+        match step {
+            Step::Arm => out.is_armed,
+            Step::Takeoff { .. } => {
+                out.mode == Mode::TetherHold && out.ground == GroundState::InAir
+            }
+            Step::Hold { seconds } => waited >= *seconds,
+            Step::Move { .. } => {
+                let rests = out.reference.is_some_and(|r| r.velocity.0.norm() < 1e-3);
+                self.commanded_at.is_some() && waited > 2.0 && rests
+            }
+            Step::Land | Step::AwaitDisarmed { .. } => !out.is_armed,
+        }
+    }
+
+    /// Says what the step needs; false when nothing is to be said.
+    fn command(&mut self, step: &Step, out: &StepOutput, say: &mut dyn FnMut(&[u8])) -> bool {
+        let degrees = |x: &Option<f64>| x.map_or(f32::NAN, |x| x.to_degrees() as f32);
+        let plain = |x: &Option<f64>| x.map_or(f32::NAN, |x| x as f32);
+        let mut p = [0.0_f32; 7];
+        let command = match step {
+            Step::Arm => {
+                if !out.is_armable {
+                    return false;
+                }
+                p = [1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
+                MavCmd::MAV_CMD_COMPONENT_ARM_DISARM
+            }
+            Step::Takeoff { altitude } => {
+                if out.mode == Mode::Takeoff {
+                    return false;
+                }
+                p = [0.0, 0.0, 0.0, f32::NAN, f32::NAN, f32::NAN, *altitude as f32];
+                MavCmd::MAV_CMD_NAV_TAKEOFF
+            }
+            Step::Move { elevation, azimuth, length, tension } => {
+                if self.commanded_at.is_some() {
+                    return false;
+                }
+                p = [
+                    degrees(elevation),
+                    degrees(azimuth),
+                    plain(length),
+                    plain(tension),
+                    0.0,
+                    0.0,
+                    0.0,
+                ];
+                MavCmd::MAV_CMD_USER_1
+            }
+            Step::Land => {
+                if out.mode == Mode::Land {
+                    return false;
+                }
+                MavCmd::MAV_CMD_NAV_LAND
+            }
+            Step::Hold { .. } | Step::AwaitDisarmed { .. } => return false,
+        };
+        let [param1, param2, param3, param4, param5, param6, param7] = p;
+        let message = COMMAND_LONG_DATA {
+            param1,
+            param2,
+            param3,
+            param4,
+            param5,
+            param6,
+            param7,
+            command,
+            target_system: self.target,
+            target_component: 1,
+            confirmation: 0,
+        };
+        self.send(&message, say);
+        true
+    }
+
+    fn send<D: MessageData>(&mut self, message: &D, say: &mut dyn FnMut(&[u8])) {
+        let header =
+            MavHeader { system_id: SYSTEM, component_id: COMPONENT, sequence: self.sequence };
+        self.sequence = self.sequence.wrapping_add(1);
+        let mut raw = MAVLinkV2MessageRaw::new();
+        raw.serialize_message_data(header, message);
+        say(raw.raw_bytes());
+    }
+}

@@ -1,0 +1,67 @@
+//! Lithium battery: open-circuit voltage by charge, sag by resistance.
+
+/// Pack.
+#[derive(Clone, Debug)]
+pub struct BatteryModel {
+    /// Cells in series.
+    pub cells: f64,
+    /// A h.
+    pub capacity: f64,
+    /// Pack and wiring, Ω.
+    pub resistance: f64,
+    /// At start, 0..1.
+    pub charge: f64,
+    /// Electronics, W.
+    pub base_power: f64,
+}
+
+/// State.
+#[derive(Clone, Debug)]
+pub struct Battery {
+    /// 0..1.
+    pub charge: f64,
+    /// A.
+    pub current: f64,
+    voltage: f64,
+}
+
+impl Battery {
+    /// At rest.
+    #[must_use]
+    pub fn new(model: &BatteryModel) -> Self {
+        Self {
+            charge: model.charge,
+            current: 0.0,
+            voltage: model.cells * open_circuit(model.charge),
+        }
+    }
+
+    /// At the terminals, V.
+    #[must_use]
+    pub fn voltage(&self) -> f64 {
+        self.voltage
+    }
+
+    /// Draws a power, W, for `dt` s.
+    pub fn step(&mut self, model: &BatteryModel, power: f64, dt: f64) {
+        let open = model.cells * open_circuit(self.charge);
+        self.current = (power + model.base_power) / self.voltage.max(1.0);
+        self.voltage = (open - self.current * model.resistance).max(0.5 * open);
+        self.charge = (self.charge - self.current * dt / (3600.0 * model.capacity)).max(0.0);
+    }
+}
+
+/// Volts per cell of a lithium polymer cell at rest.
+fn open_circuit(charge: f64) -> f64 {
+    const CURVE: [(f64, f64); 6] =
+        [(0.0, 3.2), (0.05, 3.5), (0.2, 3.7), (0.5, 3.82), (0.8, 4.0), (1.0, 4.2)];
+    let mut last = (0.0, 3.2);
+    for (c, v) in CURVE {
+        if charge <= c {
+            let span = (c - last.0).max(1e-9);
+            return last.1 + (v - last.1) * ((charge - last.0) / span).clamp(0.0, 1.0);
+        }
+        last = (c, v);
+    }
+    last.1
+}

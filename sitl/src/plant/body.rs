@@ -1,0 +1,76 @@
+//! Rigid body.
+
+use super::{GRAVITY, V3};
+use nalgebra::UnitQuaternion;
+
+/// Mass, inertia, drag.
+#[derive(Clone, Debug)]
+pub struct BodyModel {
+    /// kg.
+    pub mass: f64,
+    /// Principal moments, kg m².
+    pub inertia: V3,
+    /// Linear drag, body axes, N s/m.
+    pub drag_linear: V3,
+    /// Quadratic drag, N s²/m².
+    pub drag_quadratic: f64,
+    /// N m s/rad.
+    pub rate_damping: f64,
+}
+
+impl BodyModel {
+    /// Drag, N, for a velocity relative to the air, m/s, both in body axes.
+    #[must_use]
+    pub fn drag(&self, air: &V3) -> V3 {
+        -self.drag_linear.component_mul(air) - self.drag_quadratic * air.norm() * air
+    }
+}
+
+/// State.
+#[derive(Clone, Debug)]
+pub struct Body {
+    /// Centre of mass, NED, m.
+    pub position: V3,
+    /// NED, m/s.
+    pub velocity: V3,
+    /// Body to world.
+    pub attitude: UnitQuaternion<f64>,
+    /// Body axes, rad/s.
+    pub rate: V3,
+}
+
+impl Body {
+    /// At rest, level, nose at `heading` rad from North.
+    #[must_use]
+    pub fn at(position: V3, heading: f64) -> Self {
+        Self {
+            position,
+            velocity: V3::zeros(),
+            attitude: UnitQuaternion::from_euler_angles(0.0, 0.0, heading),
+            rate: V3::zeros(),
+        }
+    }
+
+    /// m over the anchor.
+    #[must_use]
+    pub fn height(&self) -> f64 {
+        -self.position.z
+    }
+
+    /// Angle between the body's down axis and the world's, rad.
+    #[must_use]
+    pub fn tilt(&self) -> f64 {
+        (self.attitude * V3::z()).z.clamp(-1.0, 1.0).acos()
+    }
+
+    /// Semi-implicit Euler under a force (without gravity) and a torque, body axes.
+    pub fn step(&mut self, model: &BodyModel, force: &V3, torque: &V3, dt: f64) {
+        let accel = self.attitude * force / model.mass + V3::new(0.0, 0.0, GRAVITY);
+        self.velocity += accel * dt;
+        self.position += self.velocity * dt;
+        let spin = model.inertia.component_mul(&self.rate);
+        let turn = (torque - self.rate.cross(&spin)).component_div(&model.inertia);
+        self.rate += turn * dt;
+        self.attitude *= UnitQuaternion::from_scaled_axis(self.rate * dt);
+    }
+}

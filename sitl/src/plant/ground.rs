@@ -1,0 +1,80 @@
+//! Flat ground under four feet: spring and damper upwards, stick and slip sideways.
+
+use super::{Body, BodyModel, GRAVITY, V3};
+
+/// Feet and soil.
+#[derive(Clone, Debug)]
+pub struct GroundModel {
+    /// Feet below the centre of mass, m.
+    pub leg_height: f64,
+    /// Feet forward and sideways of the centre of mass, m.
+    pub leg_spread: f64,
+    /// Per foot, N/m.
+    pub stiffness: f64,
+    /// Per foot, N s/m.
+    pub damping: f64,
+    /// Friction coefficient.
+    pub friction: f64,
+}
+
+impl GroundModel {
+    /// Height of the centre of mass at rest, m.
+    #[must_use]
+    pub fn rest_height(&self, body: &BodyModel) -> f64 {
+        self.leg_height - body.mass * GRAVITY / (4.0 * self.stiffness)
+    }
+}
+
+/// Where each foot sticks, if it touches.
+#[derive(Clone, Debug, Default)]
+pub struct Ground {
+    stuck: [Option<(f64, f64)>; 4],
+    /// Sinking speed at the last first contact, m/s.
+    pub touch_down_speed: Option<f64>,
+}
+
+const FEET: [(f64, f64); 4] = [(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)];
+
+impl Ground {
+    /// Whether a foot touches.
+    #[must_use]
+    pub fn is_touching(&self) -> bool {
+        self.stuck.iter().any(Option::is_some)
+    }
+
+    /// Force in world axes, N, and torque in body axes, N m.
+    pub fn step(&mut self, model: &GroundModel, body: &Body) -> (V3, V3) {
+        let was_touching = self.is_touching();
+        let (mut force, mut torque) = (V3::zeros(), V3::zeros());
+        for (stuck, (x, y)) in self.stuck.iter_mut().zip(FEET) {
+            let foot = V3::new(x * model.leg_spread, y * model.leg_spread, model.leg_height);
+            let place = body.position + body.attitude * foot;
+            if place.z <= 0.0 {
+                *stuck = None;
+                continue;
+            }
+            let speed = body.velocity + body.attitude * body.rate.cross(&foot);
+            let normal = (model.stiffness * place.z + model.damping * speed.z).max(0.0);
+            let (sx, sy) = *stuck.get_or_insert((place.x, place.y));
+            let mut side = V3::new(
+                -model.stiffness * (place.x - sx) - model.damping * speed.x,
+                -model.stiffness * (place.y - sy) - model.damping * speed.y,
+                0.0,
+            );
+            let grip = model.friction * normal;
+            if side.norm() > grip {
+                side *= grip / side.norm();
+                // Slipping: the foot drags its anchor along.
+                *stuck =
+                    Some((place.x + side.x / model.stiffness, place.y + side.y / model.stiffness));
+            }
+            let push = side - V3::new(0.0, 0.0, normal);
+            force += push;
+            torque += foot.cross(&(body.attitude.inverse() * push));
+        }
+        if !was_touching && self.is_touching() {
+            self.touch_down_speed = Some(body.velocity.z);
+        }
+        (force, torque)
+    }
+}

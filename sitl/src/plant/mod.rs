@@ -1,0 +1,178 @@
+//! The physical world, f64, world axes NED with the origin at the anchor, body axes FRD.
+//!
+//! Rigid body on SO(3), four rotors with lag, a tether with slack, a winch, ground contact, wind and
+//! drag. Semi-implicit Euler at 4 kHz.
+
+mod battery;
+mod body;
+mod ground;
+mod rotor;
+mod tether;
+mod wind;
+
+pub use battery::{Battery, BatteryModel};
+pub use body::{Body, BodyModel};
+pub use ground::{Ground, GroundModel};
+pub use rotor::{Rotor, RotorModel};
+pub use tether::{Tether, TetherModel, WinchModel};
+pub use wind::{Gusts, Wind, WindModel};
+
+use nalgebra::Vector3;
+use rand_distr::{Distribution, StandardNormal};
+use rand_pcg::Pcg64Mcg;
+
+/// A vector.
+pub type V3 = Vector3<f64>;
+
+/// Gravity, m/s².
+pub const GRAVITY: f64 = 9.81;
+/// Physics steps per millisecond.
+pub const SUBSTEPS: u32 = 4;
+/// Physics step, s.
+pub const DT: f64 = 1e-3 / SUBSTEPS as f64;
+
+/// A standard normal sample.
+pub fn normal(rng: &mut Pcg64Mcg) -> f64 {
+    StandardNormal.sample(rng)
+}
+
+/// A sample uniform in [-1, 1].
+pub fn uniform(rng: &mut Pcg64Mcg) -> f64 {
+    rand_distr::Uniform::new_inclusive(-1.0, 1.0).map_or(0.0, |range| range.sample(rng))
+}
+
+/// Everything physical, as the scenario describes it.
+#[derive(Clone, Debug)]
+pub struct PlantModel {
+    /// Mass, inertia, drag.
+    pub body: BodyModel,
+    /// All four alike but for their gain error.
+    pub rotor: RotorModel,
+    /// Tether.
+    pub tether: TetherModel,
+    /// Wind.
+    pub wind: WindModel,
+    /// Ground.
+    pub ground: GroundModel,
+    /// Battery.
+    pub battery: BatteryModel,
+}
+
+/// The state of everything physical.
+#[derive(Clone, Debug)]
+pub struct Plant {
+    model: PlantModel,
+    rng: Pcg64Mcg,
+    /// Vehicle.
+    pub body: Body,
+    /// Front right, rear left, front left, rear right.
+    pub rotors: [Rotor; 4],
+    /// Tether.
+    pub tether: Tether,
+    /// Wind.
+    pub wind: Wind,
+    /// Feet.
+    pub ground: Ground,
+    /// Battery.
+    pub battery: Battery,
+    /// Specific force at the centre of mass, body axes, m/s², mean over the last millisecond.
+    pub specific_force: V3,
+    time: f64,
+}
+
+/// Hub of each rotor in units of the arm (x forward, y right), and the sense of its yaw torque.
+const HUBS: [(f64, f64, f64); 4] =
+    [(1.0, 1.0, 1.0), (-1.0, -1.0, 1.0), (1.0, -1.0, -1.0), (-1.0, 1.0, -1.0)];
+
+impl Plant {
+    /// At rest on the ground, `distance` from the anchor along the `heading`, the nose pointing away.
+    #[must_use]
+    pub fn new(model: PlantModel, distance: f64, heading: f64, seed: u64) -> Self {
+        let mut rng = Pcg64Mcg::new(u128::from(seed) | 1 << 100);
+        let height = model.ground.rest_height(&model.body);
+        let place = V3::new(distance * heading.cos(), distance * heading.sin(), -height);
+        let common = uniform(&mut rng) * model.rotor.common_gain_error;
+        let rotors = std::array::from_fn(|_| {
+            Rotor::new(1.0 + common + uniform(&mut rng) * model.rotor.gain_error)
+        });
+        Self {
+            body: Body::at(place, heading),
+            rotors,
+            tether: Tether::new(&model.tether, &mut rng),
+            wind: Wind::default(),
+            ground: Ground::default(),
+            battery: Battery::new(&model.battery),
+            specific_force: V3::zeros(),
+            time: 0.0,
+            model,
+            rng,
+        }
+    }
+
+    /// One millisecond with these throttles and this tension set-point for the winch.
+    pub fn step(&mut self, throttle: &[f64; 4], winch_tension: f64) {
+        let mut force_sum = V3::zeros();
+        let wind = self.wind.step(&self.model.wind, self.body.height(), 1e-3, &mut self.rng);
+        let voltage = self.battery.voltage();
+        for _ in 0..SUBSTEPS {
+            force_sum += self.substep(throttle, winch_tension, wind, voltage);
+            self.time += DT;
+        }
+        self.specific_force = force_sum / f64::from(SUBSTEPS);
+        let power: f64 = self.rotors.iter().map(|r| r.power(&self.model.rotor)).sum();
+        self.battery.step(&self.model.battery, power, 1e-3);
+    }
+
+    fn substep(&mut self, throttle: &[f64; 4], winch_tension: f64, wind: V3, voltage: f64) -> V3 {
+        let m = &self.model;
+        let mut thrust = 0.0;
+        let mut torque = V3::zeros();
+        for ((rotor, &u), (x, y, spin)) in self.rotors.iter_mut().zip(throttle).zip(HUBS) {
+            let t = rotor.step(&m.rotor, u, voltage, DT);
+            thrust += t;
+            let hub = V3::new(x * m.rotor.arm, y * m.rotor.arm, 0.0);
+            torque += hub.cross(&V3::new(0.0, 0.0, -t));
+            torque.z += spin * m.rotor.torque_ratio * t;
+        }
+        let r = self.body.attitude;
+        let air = r.inverse() * (self.body.velocity - wind);
+        let mut force_body = V3::new(0.0, 0.0, -thrust) + m.body.drag(&air);
+        torque -= m.body.rate_damping * self.body.rate;
+
+        let arm = V3::new(0.0, 0.0, m.tether.attachment);
+        let end = self.body.position + r * arm;
+        let end_velocity = self.body.velocity + r * self.body.rate.cross(&arm);
+        let pull =
+            self.tether.step(&m.tether, &end, &end_velocity, &wind, winch_tension, self.time, DT);
+        let pull_body = r.inverse() * pull;
+        force_body += pull_body;
+        torque += arm.cross(&pull_body);
+
+        let (support, support_torque) = self.ground.step(&m.ground, &self.body);
+        force_body += r.inverse() * support;
+        torque += support_torque;
+
+        self.body.step(&m.body, &force_body, &torque, DT);
+        force_body / m.body.mass
+    }
+
+    /// Total thrust now, N.
+    #[must_use]
+    pub fn thrust(&self) -> f64 {
+        self.rotors.iter().map(|r| r.thrust(&self.model.rotor)).sum()
+    }
+
+    /// The description.
+    #[must_use]
+    pub fn model(&self) -> &PlantModel {
+        &self.model
+    }
+
+    /// The description, for faults that change the world.
+    pub fn model_mut(&mut self) -> &mut PlantModel {
+        &mut self.model
+    }
+}
+
+#[cfg(test)]
+mod tests;

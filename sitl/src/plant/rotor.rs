@@ -1,0 +1,62 @@
+//! A rotor with its ESC and motor: first-order speed, thrust and drag torque by the square of speed.
+
+/// All rotors alike.
+#[derive(Clone, Debug)]
+pub struct RotorModel {
+    /// Distance of each hub from the centre of mass along x and along y, m.
+    pub arm: f64,
+    /// N/(rad/s)².
+    pub thrust_coefficient: f64,
+    /// Drag torque per thrust, m.
+    pub torque_ratio: f64,
+    /// Speed at full throttle and nominal voltage, rad/s.
+    pub speed_max: f64,
+    /// V.
+    pub nominal_voltage: f64,
+    /// Speed over its maximum = throttle to this power.
+    pub curve: f64,
+    /// Time constant of the speed, s.
+    pub time_constant: f64,
+    /// Thrust gain error of all rotors together, drawn uniformly within ±.
+    pub common_gain_error: f64,
+    /// Of each rotor alone.
+    pub gain_error: f64,
+    /// Mechanical over electrical power.
+    pub efficiency: f64,
+}
+
+/// State.
+#[derive(Clone, Debug)]
+pub struct Rotor {
+    /// rad/s.
+    pub speed: f64,
+    gain: f64,
+}
+
+impl Rotor {
+    /// Standing still; `gain` scales its thrust.
+    #[must_use]
+    pub fn new(gain: f64) -> Self {
+        Self { speed: 0.0, gain }
+    }
+
+    /// Thrust, N, after `dt` s at this throttle.
+    pub fn step(&mut self, model: &RotorModel, throttle: f64, voltage: f64, dt: f64) -> f64 {
+        let top = model.speed_max * voltage / model.nominal_voltage;
+        let wanted = top * throttle.clamp(0.0, 1.0).powf(model.curve);
+        self.speed += (wanted - self.speed) * (dt / model.time_constant).min(1.0);
+        self.thrust(model)
+    }
+
+    /// N.
+    #[must_use]
+    pub fn thrust(&self, model: &RotorModel) -> f64 {
+        self.gain * model.thrust_coefficient * self.speed * self.speed
+    }
+
+    /// Electrical, W.
+    #[must_use]
+    pub fn power(&self, model: &RotorModel) -> f64 {
+        self.thrust(model) * model.torque_ratio * self.speed / model.efficiency
+    }
+}

@@ -1,0 +1,93 @@
+use super::*;
+use crate::scenario::Scenario;
+
+fn plant(edit: impl FnOnce(&mut Scenario)) -> Plant {
+    let mut scenario = Scenario::default();
+    edit(&mut scenario);
+    let (distance, heading) = scenario.start();
+    Plant::new(scenario.plant(), distance, heading, 1)
+}
+
+#[test]
+fn a_vehicle_at_rest_on_the_ground_stays_there_and_feels_one_g() {
+    let mut p = plant(|_| {});
+    let start = p.body.position;
+    for _ in 0..5000 {
+        p.step(&[0.0; 4], 3.0);
+    }
+    assert!((p.body.position - start).norm() < 0.01, "{:?}", p.body.position - start);
+    assert!((p.specific_force - V3::new(0.0, 0.0, -GRAVITY)).norm() < 0.01);
+}
+
+#[test]
+fn a_free_fall_without_air_keeps_its_energy_and_feels_nothing() {
+    let mut p = plant(|s| {
+        s.vehicle.drag_linear = [0.0; 3];
+        s.vehicle.drag_quadratic = 0.0;
+    });
+    p.model_mut().tether.is_broken = true;
+    p.model_mut().body.rate_damping = 0.0;
+    p.body.position = V3::new(0.0, 0.0, -100.0);
+    p.body.velocity = V3::new(3.0, 0.0, -5.0);
+    p.body.rate = V3::new(1.0, 2.0, 3.0);
+    let energy = |b: &Body| 0.5 * b.velocity.norm_squared() + GRAVITY * b.height();
+    let before = energy(&p.body);
+    let spin =
+        |p: &Plant| (p.body.attitude * p.model.body.inertia.component_mul(&p.body.rate)).norm();
+    let spin_before = spin(&p);
+    for _ in 0..2000 {
+        p.step(&[0.0; 4], 0.0);
+    }
+    assert!((energy(&p.body) - before).abs() < 0.01 * before);
+    assert!((spin(&p) / spin_before - 1.0).abs() < 0.01);
+    assert!(p.specific_force.norm() < 1e-9);
+}
+
+#[test]
+fn a_fixed_tether_pulls_only_when_stretched_and_then_towards_the_anchor() {
+    let mut p = plant(|s| s.tether.kind = crate::scenario::TetherKind::Fixed);
+    let length = p.model.tether.length;
+    let model = p.model.tether.clone();
+    let still = V3::zeros();
+    let at = |x: f64| V3::new(0.6, 0.0, -0.8) * x;
+    let slack = p.tether.step(&model, &at(length - 0.01), &still, &still, 0.0, 0.0, DT);
+    assert!(slack.x.abs() < 1e-12 && p.tether.tension.abs() < 1e-12);
+    let taut = p.tether.step(&model, &at(length + 0.02), &still, &still, 0.0, 0.0, DT);
+    let expected = model.stiffness / length * 0.02;
+    assert!((p.tether.tension - expected).abs() < 1e-9);
+    assert!((taut.x + 0.6 * expected).abs() < 1e-9);
+    // Rushing inwards, the damper may not push.
+    let rush = -at(30.0);
+    p.tether.step(&model, &at(length + 1e-4), &rush, &still, 0.0, 0.0, DT);
+    assert!(p.tether.tension >= 0.0);
+}
+
+#[test]
+fn gusts_have_the_strength_that_the_standard_gives() {
+    let model = WindModel { speed: 5.0, from: 0.3, gusts: Gusts::Dryden };
+    let mut rng = Pcg64Mcg::new(7);
+    let (mut wind, mut sum, n) = (Wind::default(), V3::zeros(), 2_000_000);
+    for _ in 0..n {
+        let v = wind.step(&model, 10.0, 1e-2, &mut rng);
+        let (s, c) = model.from.sin_cos();
+        let (along, across) = (-v.x * c - v.y * s - 5.0, v.x * s - v.y * c);
+        sum += V3::new(along * along, across * across, v.z * v.z);
+    }
+    let rms = (sum / f64::from(n)).map(f64::sqrt);
+    // h = 32.8 ft: sigma_w = 0.5, sigma_h = 0.5 / 0.204^0.4 = 0.944.
+    assert!((rms.x - 0.944).abs() < 0.06, "{rms}");
+    assert!((rms.y - 0.944).abs() < 0.06, "{rms}");
+    assert!((rms.z - 0.5).abs() < 0.04, "{rms}");
+}
+
+#[test]
+fn the_same_seed_gives_the_same_world_bit_for_bit() {
+    let run = || {
+        let mut p = plant(|s| s.wind.speed = 4.0);
+        for _ in 0..3000 {
+            p.step(&[0.7, 0.69, 0.71, 0.7], 5.0);
+        }
+        p.body.position
+    };
+    assert_eq!(run().map(f64::to_bits), run().map(f64::to_bits));
+}

@@ -1,0 +1,131 @@
+//! The tether: pulls, never pushes. At a fixed length a unilateral spring and damper; on a winch a
+//! tension with lag, friction, ripple and a slow error. Half its weight and a third of its drag hang on
+//! the vehicle.
+
+use super::{GRAVITY, V3, uniform};
+use rand_pcg::Pcg64Mcg;
+use std::f64::consts::TAU;
+
+/// What the ground end does.
+#[derive(Clone, Debug)]
+pub struct WinchModel {
+    /// Lag of the tension set-point, s.
+    pub lag: f64,
+    /// Slow relative error, uniform within ±.
+    pub error: f64,
+    /// Coulomb friction of the drum, N.
+    pub friction: f64,
+    /// Ripple amplitude, N, at 40 rad/s.
+    pub ripple: f64,
+    /// Longest line, m.
+    pub length_max: f64,
+}
+
+/// The line.
+#[derive(Clone, Debug)]
+pub struct TetherModel {
+    /// `None`: fixed length.
+    pub winch: Option<WinchModel>,
+    /// Unstretched length when fixed, m.
+    pub length: f64,
+    /// Axial stiffness EA, N.
+    pub stiffness: f64,
+    /// Damping ratio of the vehicle on the line.
+    pub damping_ratio: f64,
+    /// kg that the damping ratio refers to.
+    pub reference_mass: f64,
+    /// kg/m.
+    pub line_density: f64,
+    /// m.
+    pub diameter: f64,
+    /// Attachment below the centre of mass, m.
+    pub attachment: f64,
+    /// Cut: nothing pulls.
+    pub is_broken: bool,
+}
+
+/// State.
+#[derive(Clone, Debug)]
+pub struct Tether {
+    /// Pull along the line, N.
+    pub tension: f64,
+    /// Distance of the attachment from the anchor, m.
+    pub distance: f64,
+    set_point: f64,
+    error: f64,
+    phase: f64,
+}
+
+/// Shortest distance at which the line has a direction, m.
+const SHORTEST: f64 = 0.05;
+/// Speed over which drum friction turns round, m/s.
+const FRICTION_SPEED: f64 = 0.05;
+const RIPPLE_RATE: f64 = 40.0;
+/// 0.5 ρ Cd of a cylinder, kg/m³.
+const DRAG: f64 = 0.5 * 1.2 * 1.2;
+
+impl Tether {
+    /// Slack.
+    #[must_use]
+    pub fn new(model: &TetherModel, rng: &mut Pcg64Mcg) -> Self {
+        let error = model.winch.as_ref().map_or(0.0, |winch| winch.error);
+        Self {
+            tension: 0.0,
+            distance: 0.0,
+            set_point: 0.0,
+            error: uniform(rng) * error,
+            phase: uniform(rng) * TAU,
+        }
+    }
+
+    /// Force on the attachment, world axes, N. `end`: its position and velocity.
+    #[expect(clippy::too_many_arguments, reason = "one physical input each")]
+    pub fn step(
+        &mut self,
+        model: &TetherModel,
+        end: &V3,
+        velocity: &V3,
+        wind: &V3,
+        winch_tension: f64,
+        time: f64,
+        dt: f64,
+    ) -> V3 {
+        self.distance = end.norm();
+        if model.is_broken || self.distance < SHORTEST {
+            self.tension = 0.0;
+            return V3::zeros();
+        }
+        let u = end / self.distance;
+        let outward = velocity.dot(&u);
+        let length = match &model.winch {
+            None => {
+                self.tension = elastic(model, model.length, self.distance - model.length, outward);
+                model.length
+            }
+            Some(winch) => {
+                self.set_point += (winch_tension - self.set_point) * dt / winch.lag;
+                let drum = self.set_point * (1.0 + self.error)
+                    + winch.friction * (outward / FRICTION_SPEED).tanh()
+                    + winch.ripple * (RIPPLE_RATE * time + self.phase).sin();
+                let end_stop =
+                    elastic(model, winch.length_max, self.distance - winch.length_max, outward);
+                self.tension = drum.max(0.0) + end_stop;
+                self.distance
+            }
+        };
+        let weight = V3::new(0.0, 0.0, 0.5 * model.line_density * length * GRAVITY);
+        let air = velocity - wind;
+        let across = air - u * air.dot(&u);
+        let drag = -across * across.norm() * (DRAG * model.diameter * length / 3.0);
+        -u * self.tension + weight + drag
+    }
+}
+
+fn elastic(model: &TetherModel, length: f64, stretch: f64, outward: f64) -> f64 {
+    if stretch <= 0.0 {
+        return 0.0;
+    }
+    let k = model.stiffness / length;
+    let damping = 2.0 * model.damping_ratio * (k * model.reference_mass).sqrt();
+    (k * stretch + damping * outward).max(0.0)
+}

@@ -1,0 +1,83 @@
+//! Steady wind with Dryden gusts, MIL-F-8785C, low altitude. Heights in feet and speeds in m/s, as the
+//! scale lengths want them.
+
+use super::{V3, normal};
+use rand_pcg::Pcg64Mcg;
+
+/// Turbulence.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Gusts {
+    /// Steady.
+    None,
+    /// Dryden, strength by the mean wind.
+    Dryden,
+}
+
+/// Description.
+#[derive(Clone, Debug)]
+pub struct WindModel {
+    /// Mean speed, m/s.
+    pub speed: f64,
+    /// Direction from which it blows, rad from North.
+    pub from: f64,
+    /// Turbulence.
+    pub gusts: Gusts,
+}
+
+/// Filters of the three components: along, across, down.
+#[derive(Clone, Debug, Default)]
+pub struct Wind {
+    along: f64,
+    across: [f64; 2],
+    down: [f64; 2],
+    /// Air velocity at the vehicle, NED, m/s.
+    pub velocity: V3,
+}
+
+const FEET_PER_METRE: f64 = 3.280_84;
+/// Below this the filters of a calm would stand still.
+const SPEED_FLOOR: f64 = 1.0;
+
+impl Wind {
+    /// Air velocity, NED, m/s.
+    pub fn step(&mut self, model: &WindModel, height: f64, dt: f64, rng: &mut Pcg64Mcg) -> V3 {
+        let (sin, cos) = model.from.sin_cos();
+        let along = V3::new(-cos, -sin, 0.0);
+        let across = V3::new(sin, -cos, 0.0);
+        self.velocity = along * model.speed;
+        if model.gusts == Gusts::Dryden && model.speed > 0.0 {
+            let (u, v, w) = self.gust(model.speed, height, dt, rng);
+            self.velocity += along * u + across * v + V3::new(0.0, 0.0, w);
+        }
+        self.velocity
+    }
+
+    fn gust(&mut self, speed: f64, height: f64, dt: f64, rng: &mut Pcg64Mcg) -> (f64, f64, f64) {
+        let h = (height * FEET_PER_METRE).clamp(10.0, 1000.0);
+        let shape = 0.177 + 0.000_823 * h;
+        let length_h = h / shape.powf(1.2) / FEET_PER_METRE;
+        let length_w = h / FEET_PER_METRE;
+        let sigma_w = 0.1 * speed;
+        let sigma_h = sigma_w / shape.powf(0.4);
+        let pass = speed.max(SPEED_FLOOR);
+
+        let keep = (-dt * pass / length_h).exp();
+        self.along = keep * self.along + sigma_h * (1.0 - keep * keep).sqrt() * normal(rng);
+        let v = second_order(&mut self.across, length_h / pass, sigma_h, dt, normal(rng));
+        let w = second_order(&mut self.down, length_w / pass, sigma_w, dt, normal(rng));
+        (self.along, v, w)
+    }
+}
+
+/// σ√τ (1 + √3 τ s)/(1 + τ s)² driven by white noise of unit intensity; its variance is σ².
+fn second_order(x: &mut [f64; 2], tau: f64, sigma: f64, dt: f64, noise: f64) -> f64 {
+    let [a, b] = *x;
+    let drive = sigma * tau.sqrt() * noise / dt.sqrt();
+    let a_rate = (drive - a) / tau;
+    let next = a + a_rate * dt;
+    // (1 + √3 τ s) a = a + √3 τ ȧ, then one more lag.
+    let lead = a + 3.0_f64.sqrt() * tau * a_rate;
+    let out = b + (lead - b) / tau * dt;
+    *x = [next, out];
+    out
+}

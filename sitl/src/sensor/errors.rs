@@ -1,0 +1,134 @@
+//! What a sensor feels beyond the truth: noise, bias and its drift, vibration, temperature.
+
+use crate::plant::{Plant, V3, normal, uniform};
+use crate::scenario::SensorSection;
+use rand_pcg::Pcg64Mcg;
+use std::f64::consts::TAU;
+
+/// Bandwidth of the part's anti-alias filter, Hz; the noise of a sample follows from it.
+const BANDWIDTH: f64 = 258.0;
+const DT: f64 = 1e-3;
+/// Rotor speed at which the vibration of the scenario holds, rad/s.
+const HOVER_SPEED: f64 = 500.0;
+/// Shares of the vibration: once per turn, twice per turn, broad band.
+const ONCE: f64 = 0.5;
+const TWICE: f64 = 0.35;
+const BROAD: f64 = 0.79;
+/// Bias over temperature.
+const GYRO_PER_KELVIN: f64 = 8.7e-5;
+const ACCEL_PER_KELVIN: f64 = 1.5e-3;
+/// The die warms up from 25 °C by this much, with this time constant, s.
+const WARM_UP: f64 = 12.0;
+const WARM_UP_TIME: f64 = 120.0;
+
+/// Inertial errors.
+#[derive(Clone, Debug)]
+pub struct Inertial {
+    gyro_bias: V3,
+    accel_bias: V3,
+    phase: [f64; 4],
+    temperature: f64,
+}
+
+fn vector(rng: &mut Pcg64Mcg, mut draw: impl FnMut(&mut Pcg64Mcg) -> f64) -> V3 {
+    let x = draw(rng);
+    let y = draw(rng);
+    V3::new(x, y, draw(rng))
+}
+
+impl Inertial {
+    pub fn new(model: &SensorSection, rng: &mut Pcg64Mcg) -> Self {
+        Self {
+            gyro_bias: vector(rng, uniform) * model.gyro_bias,
+            accel_bias: vector(rng, uniform) * model.accel_bias,
+            phase: std::array::from_fn(|_| uniform(rng) * TAU),
+            temperature: 25.0,
+        }
+    }
+
+    /// Specific force, rate (body axes) and die temperature, as the part feels them.
+    pub fn sample(
+        &mut self,
+        model: &SensorSection,
+        plant: &Plant,
+        extra_bias: f64,
+        rng: &mut Pcg64Mcg,
+    ) -> (V3, V3, f64) {
+        let walk = DT.sqrt();
+        self.gyro_bias += vector(rng, normal) * (model.gyro_drift * walk);
+        self.accel_bias += vector(rng, normal) * (model.accel_drift * walk);
+        self.temperature += (25.0 + WARM_UP - self.temperature) * DT / WARM_UP_TIME;
+        let warm = self.temperature - 25.0;
+
+        let shake = self.vibration(plant, rng) * model.vibration;
+        let width = BANDWIDTH.sqrt();
+        let accel = plant.specific_force
+            + self.accel_bias
+            + V3::repeat(ACCEL_PER_KELVIN * warm)
+            + shake
+            + vector(rng, normal) * (model.accel_noise_density * width);
+        let gyro = plant.body.rate
+            + self.gyro_bias
+            + V3::repeat(GYRO_PER_KELVIN * warm + extra_bias)
+            + V3::new(shake.y, -shake.x, shake.z) * model.gyro_vibration_ratio
+            + vector(rng, normal) * (model.gyro_noise_density * width);
+        (accel, gyro, self.temperature)
+    }
+
+    /// Unit rms per axis at hover.
+    fn vibration(&mut self, plant: &Plant, rng: &mut Pcg64Mcg) -> V3 {
+        let mut shake = V3::zeros();
+        let mut strength = 0.0;
+        for (phase, rotor) in self.phase.iter_mut().zip(&plant.rotors) {
+            *phase = (*phase + rotor.speed * DT) % TAU;
+            let size = (rotor.speed / HOVER_SPEED).powi(2);
+            strength += 0.25 * size;
+            // Four sines of equal size: each carries half of the rms in every axis.
+            let amplitude = size * std::f64::consts::SQRT_2 * 0.5;
+            shake += V3::new(phase.sin(), phase.cos(), (*phase + 1.0).sin()) * (ONCE * amplitude);
+            shake +=
+                V3::new((2.0 * *phase).cos(), (2.0 * *phase).sin(), (2.0 * *phase + 2.0).cos())
+                    * (TWICE * amplitude);
+        }
+        shake + vector(rng, normal) * (BROAD * strength)
+    }
+}
+
+/// Altimeter errors.
+#[derive(Clone, Debug, Default)]
+pub struct Altitude {
+    pressure_drift: f64,
+}
+
+impl Altitude {
+    /// Pa at this height over the ground.
+    pub fn pressure(
+        &mut self,
+        model: &SensorSection,
+        height: f64,
+        dt: f64,
+        rng: &mut Pcg64Mcg,
+    ) -> f64 {
+        self.pressure_drift += model.pressure_drift * dt.sqrt() * normal(rng);
+        let truth = 101_325.0 * (1.0 - 2.255_77e-5 * height).powf(5.255_88);
+        truth + self.pressure_drift + model.pressure_noise * normal(rng)
+    }
+
+    /// m along the body's down axis to the flat ground; beyond every range when looking up.
+    pub fn range(
+        &mut self,
+        model: &SensorSection,
+        plant: &Plant,
+        offset: f64,
+        rng: &mut Pcg64Mcg,
+    ) -> f64 {
+        let down = plant.body.attitude * V3::z();
+        if down.z < 0.05 {
+            return f64::INFINITY;
+        }
+        let sensor = plant.body.height() - offset * down.z;
+        let slant = sensor / down.z;
+        let relative = if slant > 6.0 { 0.003 * slant } else { 0.0 };
+        slant + (model.range_noise + relative) * normal(rng)
+    }
+}
