@@ -109,7 +109,9 @@ impl Metrics {
         }
         let truth = body.attitude.to_rotation_matrix();
         let estimate = estimated(out);
-        self.attitude.add((truth.inverse() * estimate).angle());
+        // By the chord: an arc cosine turns rounding into NaN where the two agree.
+        let chord = (truth.matrix() - estimate.matrix()).norm() / 8.0_f64.sqrt();
+        self.attitude.add(2.0 * chord.min(1.0).asin());
         let down = |r: &Rotation3<f64>| r.inverse() * V3::z();
         self.tilt.add(down(&truth).angle(&down(&estimate)));
         let health = &out.estimate.health;

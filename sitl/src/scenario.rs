@@ -188,6 +188,9 @@ pub struct SensorSection {
     pub gyro_drift: f64,
     /// Random walk, m/s²/√s.
     pub accel_drift: f64,
+    /// How much the inertial sensor still warms up after the start, K. A board that was just switched
+    /// on has about 12 to go; the default is one that stood for some minutes.
+    pub warm_up: f64,
     /// Accelerometer vibration at hover, m/s² rms.
     pub vibration: f64,
     /// Gyro vibration per accelerometer vibration, rad/s per m/s².
@@ -213,6 +216,7 @@ impl Default for SensorSection {
             accel_bias: 0.05,
             gyro_drift: 3e-5,
             accel_drift: 1e-4,
+            warm_up: 2.0,
             vibration: 1.0,
             gyro_vibration_ratio: 0.005,
             range_noise: 0.02,
@@ -414,6 +418,7 @@ impl Scenario {
             ("sensors.accel_bias", s.accel_bias, 0.0, 5.0),
             ("sensors.gyro_drift", s.gyro_drift, 0.0, 0.1),
             ("sensors.accel_drift", s.accel_drift, 0.0, 1.0),
+            ("sensors.warm_up", s.warm_up, -50.0, 50.0),
             ("sensors.vibration", s.vibration, 0.0, 50.0),
             ("sensors.gyro_vibration_ratio", s.gyro_vibration_ratio, 0.0, 1.0),
             ("sensors.range_noise", s.range_noise, 0.0, 5.0),

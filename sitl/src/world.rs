@@ -1,10 +1,9 @@
 //! One millisecond at a time: plant → sensors → drivers → the firmware's step → ESCs.
 
 use crate::inject::Faults;
-use crate::plant::Plant;
+use crate::plant::{Plant, generator};
 use crate::scenario::{FaultKind, Scenario, ScenarioError};
 use crate::sensor::SensorSuite;
-use rand_pcg::Pcg64Mcg;
 use std::f64::consts::PI;
 use tautline_firmware::link::Link;
 use tautline_firmware::param::Params;
@@ -41,7 +40,7 @@ impl World {
     /// What a driver's set-up says.
     pub fn new(scenario: &Scenario, params: Params, seed: u64) -> Result<Self, ScenarioError> {
         let clock = FakeClock::default();
-        let mut rng = Pcg64Mcg::new(u128::from(seed) | 1 << 102);
+        let mut rng = generator(seed, 3);
         let wind_from = crate::plant::uniform(&mut rng) * PI;
         let (distance, heading) = scenario.start();
         let sensors =

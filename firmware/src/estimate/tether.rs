@@ -33,6 +33,8 @@ pub enum Phase {
     Resting,
     /// Motors turn; perhaps still on the ground.
     Powered,
+    /// The feet touch after a flight: the ground's push is in no model, so the position stands still.
+    Touching,
 }
 
 /// Configuration.
@@ -231,6 +233,7 @@ impl<S: Scalar> TetherEstimator<S> {
             Phase::Resting => self.rest(state),
             Phase::Powered if on_ground => self.watch_lift_off(state),
             Phase::Powered => {}
+            Phase::Touching => return,
         }
         let altitude = state.pending_altitude.take();
         let length = state.pending_length.take();

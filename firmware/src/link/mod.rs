@@ -146,6 +146,7 @@ impl Link {
 
     /// Answers, events and whatever telemetry is due.
     pub fn transmit<S: Scalar>(&mut self, out: &StepOutput<S>, params: &Params, sink: Sink) {
+        self.system = params.system_id as u8;
         for event in out.events.iter() {
             if self.events.is_full() {
                 self.events.pop_front();

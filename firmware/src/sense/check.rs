@@ -33,7 +33,9 @@ impl ImuCheck {
     /// Whether to use this sample.
     pub fn step(&self, state: &mut ImuCheckState, now: Micros, sample: &Sample<RawImu>) -> bool {
         let raw = &sample.value;
-        if now.since(sample.at) > self.timeout_us {
+        let counts = || raw.accel.iter().chain(&raw.gyro);
+        // A part that has not started is as good as absent.
+        if now.since(sample.at) > self.timeout_us || counts().all(|&n| n == INVALID) {
             return false;
         }
         if let Some(last) = state.last {
@@ -43,11 +45,10 @@ impl ImuCheck {
             let same = last.value.accel == raw.accel && last.value.gyro == raw.gyro;
             state.repeats = if same { state.repeats.saturating_add(1) } else { 0 };
         }
-        let counts = || raw.accel.iter().chain(&raw.gyro);
         let at_end = counts().any(|&n| n == i16::MAX || n <= i16::MIN + 1);
         state.clipped = if at_end { state.clipped.saturating_add(1) } else { 0 };
         state.last = Some(*sample);
-        state.repeats < FROZEN_SAMPLES && !counts().all(|&n| n == INVALID)
+        state.repeats < FROZEN_SAMPLES
     }
 
     pub fn health(&self, state: &ImuCheckState, now: Micros) -> ImuHealth {

@@ -1,6 +1,6 @@
 //! What fails in the air, and in which named safe state it ends. The most severe action wins.
 
-use super::mode::Mode;
+use super::mode::{Mode, Needs};
 use crate::param::Params;
 use crate::signal::ImuHealth;
 use crate::time::Micros;
@@ -29,6 +29,8 @@ pub enum Failure {
     LinkLost = 8,
     /// The joystick is silent in a mode that flies by it.
     SticksLost = 9,
+    /// Tilted beyond anything a flight asks for.
+    Capsized = 10,
 }
 
 /// Where a failure ends. Ordered by severity.
@@ -62,6 +64,8 @@ impl FailsafeAction {
 pub struct FailsafeFacts {
     /// Present mode.
     pub mode: Mode,
+    /// Cosine of the tilt.
+    pub cos_tilt: f32,
     /// State of the inertial sensor.
     pub imu: ImuHealth,
     /// From the estimator.
@@ -74,9 +78,9 @@ pub struct FailsafeFacts {
     pub tether_is_known: bool,
     /// Volts per cell.
     pub cell: Option<f32>,
-    /// A ground station spoke within the time-out of one second.
-    pub link_is_up: bool,
-    /// A joystick spoke within the same time.
+    /// How long the ground station has been silent, µs; `None` if it never spoke (a forced arming).
+    pub link_silence_us: Option<u64>,
+    /// A joystick spoke within the last second.
     pub sticks_are_up: bool,
 }
 
@@ -108,8 +112,17 @@ pub struct Failsafe {
 /// Battery sag under a manoeuvre shall not land the vehicle.
 const BATTERY_DELAY_US: u64 = 3_000_000;
 
+/// Tilt at which nothing can be saved (80°), and how long it must last.
+const CAPSIZED_COS: f32 = 0.17;
+const CAPSIZED_DELAY_US: u64 = 300_000;
+
+/// Whether a failure matters in this mode. Descent is where most of them end: there the flag stays up.
+fn concerns(mode: Mode, need: impl Fn(&Needs) -> bool) -> bool {
+    need(&mode.rule().needs) || mode == Mode::Descent
+}
+
 /// All failures, ordered as [`Failure`].
-pub const FAILSAFES: [Failsafe; 10] = [
+pub const FAILSAFES: [Failsafe; 11] = [
     Failsafe {
         failure: Failure::ImuLost,
         text: "IMU lost: motors off",
@@ -129,28 +142,28 @@ pub const FAILSAFES: [Failsafe; 10] = [
     Failsafe {
         failure: Failure::EstimatorDiverged,
         text: "Position estimate diverged: descending",
-        is_present: |_, f| f.has_diverged && f.mode.rule().needs.position,
+        is_present: |_, f| f.has_diverged && concerns(f.mode, |needs| needs.position),
         delay: |_| 0,
         action: |_| FailsafeAction::Descend,
     },
     Failsafe {
         failure: Failure::AltimeterLost,
         text: "Altimeter lost: descending",
-        is_present: |_, f| !f.altitude_is_fresh && f.mode.rule().needs.altitude,
+        is_present: |_, f| !f.altitude_is_fresh && concerns(f.mode, |needs| needs.altitude),
         delay: |_| 0,
         action: |_| FailsafeAction::Descend,
     },
     Failsafe {
         failure: Failure::TetherSlack,
         text: "Tether slack: descending",
-        is_present: |_, f| !f.is_taut && f.mode.rule().needs.position,
+        is_present: |_, f| !f.is_taut && concerns(f.mode, |needs| needs.position),
         delay: |c| c.slack_delay_us,
         action: |_| FailsafeAction::Descend,
     },
     Failsafe {
         failure: Failure::TetherLengthLost,
         text: "Tether length lost: landing",
-        is_present: |_, f| !f.tether_is_known && f.mode.rule().needs.position,
+        is_present: |_, f| !f.tether_is_known && concerns(f.mode, |needs| needs.position),
         delay: |_| 0,
         action: |_| FailsafeAction::Land,
     },
@@ -171,8 +184,8 @@ pub const FAILSAFES: [Failsafe; 10] = [
     Failsafe {
         failure: Failure::LinkLost,
         text: "Ground station lost",
-        is_present: |_, f| !f.link_is_up,
-        delay: |c| c.link_delay_us,
+        is_present: |c, f| f.link_silence_us.is_some_and(|us| us > c.link_delay_us),
+        delay: |_| 0,
         action: |c| c.link_action,
     },
     Failsafe {
@@ -182,12 +195,19 @@ pub const FAILSAFES: [Failsafe; 10] = [
         delay: |_| 500_000,
         action: |_| FailsafeAction::Descend,
     },
+    Failsafe {
+        failure: Failure::Capsized,
+        text: "Capsized: motors off",
+        is_present: |_, f| f.cos_tilt < CAPSIZED_COS,
+        delay: |_| CAPSIZED_DELAY_US,
+        action: |_| FailsafeAction::Terminate,
+    },
 ];
 
 /// Since when each failure is present, and which have been announced.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FailsafeState {
-    since: [Option<Micros>; 10],
+    since: [Option<Micros>; 11],
     /// Bit n: row n of [`FAILSAFES`] has lasted its delay.
     pub active: u16,
 }
@@ -256,8 +276,9 @@ mod tests {
             is_taut: true,
             tether_is_known: true,
             cell: Some(3.9),
-            link_is_up: true,
+            link_silence_us: Some(0),
             sticks_are_up: false,
+            cos_tilt: 1.0,
         }
     }
 
@@ -279,9 +300,10 @@ mod tests {
         assert_eq!(settled(FailsafeFacts { altitude_is_fresh: false, ..h }), Some(Descend));
         assert_eq!(settled(FailsafeFacts { is_taut: false, ..h }), Some(Descend));
         assert_eq!(settled(FailsafeFacts { tether_is_known: false, ..h }), Some(Land));
+        assert_eq!(settled(FailsafeFacts { cos_tilt: 0.1, ..h }), Some(Terminate));
         assert_eq!(settled(FailsafeFacts { cell: Some(3.4), ..h }), Some(Land));
         assert_eq!(settled(FailsafeFacts { cell: Some(3.1), ..h }), Some(Descend));
-        assert_eq!(settled(FailsafeFacts { link_is_up: false, ..h }), Some(Land));
+        assert_eq!(settled(FailsafeFacts { link_silence_us: Some(6_000_000), ..h }), Some(Land));
         let manual = FailsafeFacts { mode: Mode::Stabilize, ..h };
         assert_eq!(settled(manual), Some(Descend));
         let flown = FailsafeFacts { sticks_are_up: true, ..manual };
@@ -303,14 +325,14 @@ mod tests {
     fn a_failure_shorter_than_its_delay_does_nothing_and_is_announced_once() {
         let safes = Failsafes::new(&Params::default());
         let mut state = FailsafeState::default();
-        let lost = FailsafeFacts { link_is_up: false, ..healthy() };
+        let lost = FailsafeFacts { cell: Some(3.4), ..healthy() };
         assert_eq!(safes.step(&mut state, &lost, Micros(0)).0, None);
-        assert_eq!(safes.step(&mut state, &lost, Micros(4_900_000)).0, None);
-        assert_eq!(safes.step(&mut state, &healthy(), Micros(4_950_000)).0, None);
-        assert_eq!(safes.step(&mut state, &lost, Micros(5_000_000)).0, None);
-        let (action, announced) = safes.step(&mut state, &lost, Micros(10_000_000));
+        assert_eq!(safes.step(&mut state, &lost, Micros(2_900_000)).0, None);
+        assert_eq!(safes.step(&mut state, &healthy(), Micros(2_950_000)).0, None);
+        assert_eq!(safes.step(&mut state, &lost, Micros(3_000_000)).0, None);
+        let (action, announced) = safes.step(&mut state, &lost, Micros(6_000_000));
         assert_eq!(action, Some(FailsafeAction::Land));
         assert!(announced.is_some());
-        assert!(safes.step(&mut state, &lost, Micros(10_001_000)).1.is_none());
+        assert!(safes.step(&mut state, &lost, Micros(6_001_000)).1.is_none());
     }
 }

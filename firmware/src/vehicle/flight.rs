@@ -19,8 +19,9 @@ const TENSION_FALL: f64 = 2.0;
 const SPOOL_START: f64 = 3.0;
 /// Time after the ramp in which the vehicle must have left the ground, s.
 const SPOOL_GRACE: f64 = 2.0;
-/// On ground contact the thrust runs down in this time, s.
+/// On ground contact the thrust runs down in this time, s, unless the vehicle rises this high, m.
 const CONTACT_RAMP: f64 = 0.4;
+const SETTLE_HEIGHT: f64 = 0.3;
 
 impl<S: Scalar> Vehicle<S> {
     pub(super) fn fly(&mut self, sensors: &Sensors<S>, now: Micros, events: &mut EventQueue) {
@@ -279,12 +280,19 @@ impl<S: Scalar> Vehicle<S> {
         };
         let dt = S::lit(OUTER_DT);
         let contact = self.config.touch_down.step(&mut state.touch_down, &input, dt);
-        let slope = dt / S::lit(CONTACT_RAMP);
-        state.contact_ramp = if contact.touches {
-            (state.contact_ramp - slope).max(S::zero())
-        } else {
-            (state.contact_ramp + slope).min(S::one())
-        };
+        // Once the ground is felt the thrust runs out, level: the ground's push is in no model, and a
+        // position loop that believes it would hop. Only a clear rise ends that.
+        let has_risen = input
+            .height
+            .is_some_and(|h| h > self.config.touch_down.ground_height + S::lit(SETTLE_HEIGHT));
+        let is_settling = state.contact_ramp < S::one();
+        if has_risen || !wants_down {
+            state.contact_ramp = S::one();
+        } else if contact.touches || is_settling {
+            state.contact_ramp = (state.contact_ramp - dt / S::lit(CONTACT_RAMP)).max(S::zero());
+            let level = World(V3::new(S::zero(), S::zero(), -state.attitude.thrust));
+            state.attitude = self.config.attitude.step(&level, &state.estimate.attitude, state.yaw);
+        }
         if wants_down && contact.has_landed {
             state.ground = GroundState::OnGround;
             state.landed_at = Some(now);

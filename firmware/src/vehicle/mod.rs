@@ -201,7 +201,14 @@ impl<S: Scalar> Vehicle<S> {
 
     fn observe(&mut self, sensors: &Sensors<S>, events: &mut EventQueue) -> bool {
         let state = &mut self.state;
-        let phase = if state.armed_at.is_some() { Phase::Powered } else { Phase::Resting };
+        let has_landed = state.ground == GroundState::OnGround && state.landed_at.is_some();
+        let phase = if state.armed_at.is_none() || has_landed {
+            Phase::Resting
+        } else if state.contact_ramp < S::one() {
+            Phase::Touching
+        } else {
+            Phase::Powered
+        };
         if let Some(imu) = &sensors.imu {
             state.specific_force = crate::math::so3::norm(&imu.value.accel.0);
         }

@@ -74,13 +74,14 @@ impl<S: Scalar> Vehicle<S> {
         self.state.sensors = Some(*sensors);
         let facts = FailsafeFacts {
             mode: self.state.mode,
+            cos_tilt: self.state.estimate.attitude.cos_tilt().to_f32(),
             imu: sensors.imu_health,
             has_diverged: self.state.estimate.has_diverged,
             altitude_is_fresh: sensors.altitude_is_fresh,
             is_taut: self.state.estimate.tether.is_none_or(|tether| tether.is_taut),
             tether_is_known: self.tether_is_known(sensors),
             cell: sensors.battery.map(|battery| battery.cell.to_f32()),
-            link_is_up: self.state.link_at.is_some_and(|at| now.since(at) < 1_000_000),
+            link_silence_us: self.state.link_at.map(|at| now.since(at)),
             sticks_are_up: self.sticks_are_up(now),
         };
         if self.state.armed_at.is_none() {
@@ -99,7 +100,8 @@ impl<S: Scalar> Vehicle<S> {
 
     fn react(&mut self, action: FailsafeAction, is_new: bool, events: &mut EventQueue) {
         if self.state.ground == GroundState::OnGround {
-            if action >= FailsafeAction::Land {
+            // After a landing the motors stop by themselves.
+            if action >= FailsafeAction::Land && self.state.landed_at.is_none() {
                 self.disarm(Event::warning("Disarmed: failsafe on the ground"), events);
             }
             return;

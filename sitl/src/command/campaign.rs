@@ -64,13 +64,19 @@ pub fn run(options: &Options) -> Result<(), Failure> {
     fs::create_dir_all(out).map_err(|e| Failure::Usage(format!("{}: {e}", out.display())))?;
     let (index, count) = options.shard;
     let seeds = campaign.shard(index, count);
-    println!("{}: {} flights", campaign.title, seeds.len());
-    println!(
+    say!("{}: {} flights", campaign.title, seeds.len());
+    say!(
         "{:>6} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9}",
-        "seed", "horiz rms", "horiz max", "vert rms", "est rms", "att deg", "touch m/s"
+        "seed",
+        "horiz rms",
+        "horiz max",
+        "vert rms",
+        "est rms",
+        "att deg",
+        "touch m/s"
     );
     let outcomes =
-        campaign.run(&scenario, &seeds, options.jobs, |outcome| println!("{}", row(outcome)));
+        campaign.run(&scenario, &seeds, options.jobs, |outcome| say!("{}", row(outcome)));
 
     let mean = |pick: fn(&Outcome) -> Option<f64>| {
         let values: Vec<_> = outcomes.iter().filter_map(pick).collect();
@@ -81,7 +87,7 @@ pub fn run(options: &Options) -> Result<(), Failure> {
     let failed = outcomes.iter().filter(|o| !o.pass).count();
     let show = |name: &str, (mean, worst): (f64, f64), limit: Option<f64>| {
         let limit = limit.map_or_else(|| "no limit".into(), |l| format!("limit {l}"));
-        println!("{name}: mean {mean:.3}, worst {worst:.3}, {limit}");
+        say!("{name}: mean {mean:.3}, worst {worst:.3}, {limit}");
     };
     let l = &campaign.limits;
     show(
@@ -91,7 +97,7 @@ pub fn run(options: &Options) -> Result<(), Failure> {
     );
     show("hold vertical rms, m", mean(|o| o.summary.hold_vertical_rms_m), l.hold_vertical_rms_m);
     show("touch-down, m/s", mean(|o| o.summary.touch_down_mps), l.touch_down_mps);
-    println!(
+    say!(
         "incomplete or lost: {lost} of {}; over a limit: {}",
         outcomes.len(),
         failed - lost.min(failed)
@@ -100,7 +106,7 @@ pub fn run(options: &Options) -> Result<(), Failure> {
     let file = out.join(format!("campaign-{index}-of-{count}.json"));
     let json = serde_json::to_string_pretty(&outcomes).map_err(|e| Failure::Run(e.to_string()))?;
     fs::write(&file, json).map_err(|e| Failure::Run(format!("{}: {e}", file.display())))?;
-    println!("Table: {}", file.display());
+    say!("Table: {}", file.display());
     if failed > 0 {
         Err(Failure::Run(format!("{failed} of {} flights failed", outcomes.len())))
     } else {

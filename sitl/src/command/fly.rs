@@ -157,7 +157,7 @@ fn standard_mission() -> Vec<Step> {
 fn describe(scenario: &Scenario, options: &Options, params: &Params) {
     let (v, t, w) = (&scenario.vehicle, &scenario.tether, &scenario.wind);
     if !scenario.title.is_empty() {
-        println!("{}", scenario.title);
+        say!("{}", scenario.title);
     }
     let tether = match t.kind {
         TetherKind::Winch => format!(
@@ -167,9 +167,11 @@ fn describe(scenario: &Scenario, options: &Options, params: &Params) {
         TetherKind::Fixed => format!("fixed tether of {} m", t.length),
     };
     let gusts = if w.gusts { " with Dryden gusts" } else { "" };
-    println!(
+    say!(
         "Simulating a {} kg quadrotor on a {tether}; wind {} m/s{gusts}; seed {}.",
-        v.mass, w.speed, options.seed
+        v.mass,
+        w.speed,
+        options.seed
     );
 }
 
@@ -201,14 +203,12 @@ pub fn run(options: &Options) -> Result<(), Failure> {
     describe(&scenario, options, &params);
     if let Some(udp) = &udp {
         let homes: Vec<_> = udp.homes().iter().map(ToString::to_string).collect();
-        println!(
+        say!(
             "MAVLink over UDP to {} (ground stations, then programs), system {}.",
             homes.join(" and "),
             params.system_id
         );
-        println!(
-            "Connect QGroundControl, or: mavproxy.py --master=udp:127.0.0.1:14550. Ctrl-C ends."
-        );
+        say!("Connect QGroundControl, or: mavproxy.py --master=udp:127.0.0.1:14550. Ctrl-C ends.");
     }
     let stop = Arc::new(AtomicBool::new(false));
     let flag = Arc::clone(&stop);
@@ -278,7 +278,7 @@ fn finish(
 ) -> Result<(), Failure> {
     let (simulated, real) = (flight.world.time(), began.elapsed().as_secs_f64());
     let counters = flight.world.link.counters();
-    println!(
+    say!(
         "{simulated:.1} s simulated in {real:.1} s ({:.0} x). MAVLink: {} heard, {} sent, {} frames and {} bytes dropped, {} refused, {} queue overflows.",
         simulated / real.max(1e-3),
         counters.received,
@@ -289,15 +289,15 @@ fn finish(
         counters.overflowed,
     );
     if let Some(udp) = udp.filter(|udp| udp.send_errors > 0) {
-        println!("{} datagrams could not be sent.", udp.send_errors);
+        say!("{} datagrams could not be sent.", udp.send_errors);
     }
     let progress = flight.pilot.progress().clone();
     let summary = flight.metrics.summary();
     if let Ok(json) = serde_json::to_string(&summary) {
-        println!("Against the truth: {json}");
+        say!("Against the truth: {json}");
     }
     flight.recorder.finish().map_err(|e| Failure::Run(format!("{}: {e}", path.display())))?;
-    println!("Log: {}", path.display());
+    say!("Log: {}", path.display());
     match (progress, summary.lost) {
         (Progress::Failed(why), _) => Err(Failure::Run(why)),
         (_, Some(why)) => Err(Failure::Run(format!("the vehicle was lost: {why}"))),

@@ -1,5 +1,13 @@
 //! The command line: `cargo sitl …`.
 
+/// Prints a line; a reader that has gone away (`| head`) is no reason to crash.
+macro_rules! say {
+    ($($arg:tt)*) => {{
+        use std::io::Write;
+        let _ = writeln!(std::io::stdout(), $($arg)*);
+    }};
+}
+
 mod campaign;
 mod fly;
 mod plot;
@@ -54,7 +62,11 @@ pub fn run() -> ExitCode {
         Some(Command::Campaign(options)) => campaign::run(&options),
         Some(Command::Plot(options)) => plot::run(&options),
         Some(Command::Params) => {
-            print!("{}", crate::params_file::to_text(&tautline_firmware::param::Params::default()));
+            say!(
+                "{}",
+                crate::params_file::to_text(&tautline_firmware::param::Params::default())
+                    .trim_end()
+            );
             Ok(())
         }
     };

@@ -24,6 +24,6 @@ pub struct Options {
 pub fn run(options: &Options) -> Result<(), Failure> {
     let data = FlightData::read(&options.log).map_err(Failure::Usage)?;
     draw_flight(&data, &options.title, &options.out).map_err(Failure::Run)?;
-    println!("Picture: {}", options.out.display());
+    say!("Picture: {}", options.out.display());
     Ok(())
 }

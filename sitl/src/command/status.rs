@@ -44,24 +44,24 @@ impl StatusLine {
         (self.shown_at, self.shown_time) = (Some(now), world.time());
         let line = text(world, out, factor);
         if self.is_terminal {
-            print!("\r{line}\x1b[K");
+            let _ = write!(std::io::stdout(), "\r{line}\x1b[K");
             let _ = std::io::stdout().flush();
             self.is_open = true;
         } else {
-            println!("{line}");
+            say!("{line}");
         }
     }
 
     /// A message of its own line.
     pub fn say(&mut self, message: &str) {
         self.close();
-        println!("{message}");
+        say!("{message}");
     }
 
     /// Leaves the live line.
     pub fn close(&mut self) {
         if self.is_open {
-            println!();
+            say!("");
             self.is_open = false;
         }
     }

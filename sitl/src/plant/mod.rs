@@ -20,6 +20,7 @@ pub use wind::{Gusts, Wind, WindModel};
 use nalgebra::Vector3;
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64Mcg;
+use rand_pcg::rand_core::SeedableRng;
 
 /// A vector.
 pub type V3 = Vector3<f64>;
@@ -30,6 +31,13 @@ pub const GRAVITY: f64 = 9.81;
 pub const SUBSTEPS: u32 = 4;
 /// Physics step, s.
 pub const DT: f64 = 1e-3 / SUBSTEPS as f64;
+
+/// A generator of its own for each part of the world, so that a part that draws more often does not
+/// shift the others.
+#[must_use]
+pub fn generator(seed: u64, part: u64) -> Pcg64Mcg {
+    Pcg64Mcg::seed_from_u64(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) ^ part)
+}
 
 /// A standard normal sample.
 pub fn normal(rng: &mut Pcg64Mcg) -> f64 {
@@ -88,7 +96,7 @@ impl Plant {
     /// At rest on the ground, `distance` from the anchor along the `heading`, the nose pointing away.
     #[must_use]
     pub fn new(model: PlantModel, distance: f64, heading: f64, seed: u64) -> Self {
-        let mut rng = Pcg64Mcg::new(u128::from(seed) | 1 << 100);
+        let mut rng = generator(seed, 1);
         let height = model.ground.rest_height(&model.body);
         let place = V3::new(distance * heading.cos(), distance * heading.sin(), -height);
         let common = uniform(&mut rng) * model.rotor.common_gain_error;

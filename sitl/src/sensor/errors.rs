@@ -17,8 +17,8 @@ const BROAD: f64 = 0.79;
 /// Bias over temperature.
 const GYRO_PER_KELVIN: f64 = 8.7e-5;
 const ACCEL_PER_KELVIN: f64 = 1.5e-3;
-/// The die warms up from 25 °C by this much, with this time constant, s.
-const WARM_UP: f64 = 12.0;
+/// Die temperature at the start, °C, and the time constant of its warming up, s.
+const START_TEMPERATURE: f64 = 25.0;
 const WARM_UP_TIME: f64 = 120.0;
 
 /// Inertial errors.
@@ -42,7 +42,7 @@ impl Inertial {
             gyro_bias: vector(rng, uniform) * model.gyro_bias,
             accel_bias: vector(rng, uniform) * model.accel_bias,
             phase: std::array::from_fn(|_| uniform(rng) * TAU),
-            temperature: 25.0,
+            temperature: START_TEMPERATURE,
         }
     }
 
@@ -57,8 +57,9 @@ impl Inertial {
         let walk = DT.sqrt();
         self.gyro_bias += vector(rng, normal) * (model.gyro_drift * walk);
         self.accel_bias += vector(rng, normal) * (model.accel_drift * walk);
-        self.temperature += (25.0 + WARM_UP - self.temperature) * DT / WARM_UP_TIME;
-        let warm = self.temperature - 25.0;
+        self.temperature +=
+            (START_TEMPERATURE + model.warm_up - self.temperature) * DT / WARM_UP_TIME;
+        let warm = self.temperature - START_TEMPERATURE;
 
         let shake = self.vibration(plant, rng) * model.vibration;
         let width = BANDWIDTH.sqrt();

@@ -3,7 +3,7 @@
 mod errors;
 
 use crate::inject::Faults;
-use crate::plant::Plant;
+use crate::plant::{Plant, generator};
 use crate::scenario::{FaultKind, SensorSection};
 use errors::{Altitude, Inertial};
 use rand_pcg::Pcg64Mcg;
@@ -47,7 +47,7 @@ impl SensorSuite {
     /// # Errors
     /// What a driver says.
     pub fn power_up(noise: &SensorSection, clock: FakeClock, seed: u64) -> Result<Self, String> {
-        let mut rng = Pcg64Mcg::new(u128::from(seed) | 1 << 101);
+        let mut rng = generator(seed, 2);
         let mut delay = clock.clone();
         let mut imu = Icm42688::new(FakeIcm42688::new(clock.clone()), icm42688::Config::default());
         imu.init(&mut delay).map_err(|e| format!("ICM-42688-P: {e:?}"))?;

@@ -1,0 +1,149 @@
+"""A small ground station on pymavlink; times are the vehicle's."""
+
+import math
+import os
+import threading
+import time
+
+os.environ["MAVLINK20"] = "1"
+
+from pymavlink import mavutil  # noqa: E402
+
+MAV = mavutil.mavlink
+HOLD = (4 << 16) | (3 << 24)
+LAND = (4 << 16) | (6 << 24)
+TAKEOFF = (4 << 16) | (2 << 24)
+USER_MOVE_TETHER = 31010
+NAN = float("nan")
+
+
+class GroundStation:
+    def __init__(self, port, heartbeat_period=0.05):
+        self.link = mavutil.mavlink_connection(f"udpin:127.0.0.1:{port}", source_system=255, dialect="common")
+        self.texts = []
+        self.alive = True
+        self.lock = threading.Lock()
+        first = self.link.wait_heartbeat(timeout=30)
+        assert first is not None, "no heartbeat"
+        self.heartbeat = first
+        self.beat = threading.Thread(target=self._beat, args=(heartbeat_period,), daemon=True)
+        self.beat.start()
+
+    def _beat(self, period):
+        while self.alive:
+            with self.lock:
+                self.link.mav.heartbeat_send(MAV.MAV_TYPE_GCS, MAV.MAV_AUTOPILOT_INVALID, 0, 0, 0)
+            time.sleep(period)
+
+    def close(self):
+        """Gone, as a killed process is."""
+        self.alive = False
+        self.beat.join()
+        self.link.close()
+
+    def receive(self, *types, timeout=30.0):
+        """The next message of one of these types."""
+        end = time.monotonic() + timeout
+        while time.monotonic() < end:
+            message = self.link.recv_match(blocking=True, timeout=1.0)
+            if message is None:
+                continue
+            if message.get_type() == "STATUSTEXT":
+                self.texts.append(message.text)
+            if message.get_type() in types:
+                return message
+        raise AssertionError(f"no {types} within {timeout} s; texts: {self.texts}")
+
+    def command(self, command, *params, timeout=10.0):
+        """Sends COMMAND_LONG and returns the result of its acknowledgement."""
+        filled = list(params) + [0.0] * (7 - len(params))
+        with self.lock:
+            self.link.mav.command_long_send(1 + self.system_offset, 1, command, 0, *filled)
+        end = time.monotonic() + timeout
+        while time.monotonic() < end:
+            ack = self.receive("COMMAND_ACK", timeout=timeout)
+            if ack.command == command:
+                return ack.result
+        raise AssertionError(f"command {command} was not acknowledged")
+
+    @property
+    def system_offset(self):
+        return self.heartbeat.get_srcSystem() - 1
+
+    def until(self, condition, types, timeout=60.0, what=""):
+        """Receives until `condition(message)`."""
+        end = time.monotonic() + timeout
+        while time.monotonic() < end:
+            message = self.receive(*types, timeout=timeout)
+            if condition(message):
+                return message
+        raise AssertionError(f"not within {timeout} s: {what}; texts: {self.texts}")
+
+    def vehicle_time(self):
+        return self.receive("LOCAL_POSITION_NED", "ATTITUDE").time_boot_ms * 1e-3
+
+    def wait_vehicle_seconds(self, seconds, timeout=120.0):
+        end = self.vehicle_time() + seconds
+        self.until(lambda m: m.time_boot_ms * 1e-3 >= end, ["LOCAL_POSITION_NED"], timeout, "vehicle time")
+
+    def wait_text(self, part, timeout=30.0):
+        end = time.monotonic() + timeout
+        while not any(part in text for text in self.texts):
+            assert time.monotonic() < end, f"no text with {part!r}: {self.texts}"
+            self.receive("STATUSTEXT", timeout=timeout)
+
+    def wait_armable(self, timeout=60.0):
+        bit = MAV.MAV_SYS_STATUS_PREARM_CHECK
+        self.until(lambda m: m.onboard_control_sensors_health & bit, ["SYS_STATUS"], timeout, "armable")
+
+    def wait_mode(self, custom_mode, timeout=120.0):
+        self.until(lambda m: m.custom_mode == custom_mode, ["HEARTBEAT"], timeout, f"mode {custom_mode:#x}")
+
+    def wait_armed(self, armed, timeout=120.0):
+        bit = MAV.MAV_MODE_FLAG_SAFETY_ARMED
+        self.until(lambda m: bool(m.base_mode & bit) == armed, ["HEARTBEAT"], timeout, f"armed {armed}")
+
+    def parameters(self, timeout=30.0):
+        """All parameters by name."""
+        with self.lock:
+            self.link.mav.param_request_list_send(1 + self.system_offset, 1)
+        found, end = {}, time.monotonic() + timeout
+        while time.monotonic() < end:
+            message = self.receive("PARAM_VALUE", timeout=timeout)
+            found[message.param_id] = message.param_value
+            if len(found) == message.param_count:
+                return found
+        raise AssertionError(f"only {len(found)} parameters")
+
+    def set_parameter(self, name, value):
+        with self.lock:
+            self.link.mav.param_set_send(1 + self.system_offset, 1, name.encode(), value, MAV.MAV_PARAM_TYPE_REAL32)
+        return self.until(lambda m: m.param_id == name, ["PARAM_VALUE"], 10.0, name).param_value
+
+    def read_parameter(self, name):
+        with self.lock:
+            self.link.mav.param_request_read_send(1 + self.system_offset, 1, name.encode(), -1)
+        return self.until(lambda m: m.param_id == name, ["PARAM_VALUE"], 10.0, name).param_value
+
+    def arm(self):
+        assert self.command(MAV.MAV_CMD_COMPONENT_ARM_DISARM, 1) == MAV.MAV_RESULT_ACCEPTED, self.texts
+        self.wait_armed(True)
+
+    def take_off(self, altitude):
+        result = self.command(MAV.MAV_CMD_NAV_TAKEOFF, 0, 0, 0, NAN, NAN, NAN, altitude)
+        assert result == MAV.MAV_RESULT_ACCEPTED, self.texts
+        self.wait_mode(TAKEOFF)
+        self.wait_mode(HOLD)
+
+    def move_azimuth(self, azimuth):
+        """Moves round the anchor; waits until there."""
+        result = self.command(USER_MOVE_TETHER, NAN, math.degrees(azimuth), NAN, NAN)
+        assert result == MAV.MAV_RESULT_ACCEPTED, self.texts
+        self.until(
+            lambda m: m.name == "tet_azim" and abs(m.value - math.degrees(azimuth)) < 3.0,
+            ["NAMED_VALUE_FLOAT"], 120.0, "azimuth",
+        )
+
+    def land(self):
+        assert self.command(MAV.MAV_CMD_NAV_LAND) == MAV.MAV_RESULT_ACCEPTED, self.texts
+        self.wait_armed(False)

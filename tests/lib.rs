@@ -1,0 +1,67 @@
+//! Helpers that several test files share: a flight in a few lines.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "test support")]
+
+use tautline_firmware::vehicle::StepOutput;
+use tautline_sitl::flight::Flight;
+use tautline_sitl::scenario::Scenario;
+
+/// A flight of a scenario given as TOML, logged to memory.
+///
+/// # Panics
+/// If the scenario is not valid.
+#[must_use]
+pub fn flight(toml: &str, seed: u64) -> Flight<Vec<u8>> {
+    let scenario = Scenario::parse(toml, "test.toml").unwrap();
+    Flight::new(&scenario, scenario.params().unwrap(), seed, Vec::new()).unwrap()
+}
+
+/// Steps until `ends`, or fails after `limit` s.
+///
+/// # Panics
+/// After `limit` s.
+pub fn until(
+    flight: &mut Flight<Vec<u8>>,
+    limit: f64,
+    mut ends: impl FnMut(&StepOutput) -> bool,
+) -> StepOutput {
+    let began = flight.world.time();
+    loop {
+        let out = flight.step(&mut |_| {});
+        if ends(&out) {
+            return out;
+        }
+        let told: Vec<_> =
+            flight.events.iter().map(|(t, e)| format!("{t:.1} {}", e.text)).collect();
+        assert!(
+            flight.world.time() < began + limit,
+            "not within {limit} s; mode {:?}, events {told:?}",
+            out.mode
+        );
+    }
+}
+
+/// Steps for so long.
+///
+/// # Panics
+/// Never.
+pub fn run(flight: &mut Flight<Vec<u8>>, seconds: f64) -> StepOutput {
+    let end = flight.world.time() + seconds;
+    let mut out = flight.step(&mut |_| {});
+    while flight.world.time() < end {
+        out = flight.step(&mut |_| {});
+    }
+    out
+}
+
+/// A mission that takes off to 5 m and then holds for a long time.
+pub const HOLD: &str = r#"
+[[mission]]
+do = "arm"
+[[mission]]
+do = "takeoff"
+altitude = 5.0
+[[mission]]
+do = "hold"
+seconds = 1000.0
+"#;
