@@ -1,1 +1,163 @@
-//! x
+//! Every injected fault ends in its named safe state.
+
+#![allow(clippy::unwrap_used, clippy::panic, clippy::indexing_slicing, reason = "tests")]
+
+use tautline_firmware::signal::ImuHealth;
+use tautline_firmware::supervisor::{GroundState, Mode};
+use tautline_firmware::vehicle::StepOutput;
+use tautline_sitl::flight::Flight;
+use tautline_sitl::scenario::{FaultKind, FaultSection};
+use tautline_tests::{HOLD, flight, run, until};
+
+/// In the hold for a few seconds, then broken.
+fn broken_in_hold(kind: FaultKind, value: f64) -> Flight<Vec<u8>> {
+    let mut flight = flight(HOLD, 3);
+    until(&mut flight, 80.0, |out| {
+        out.mode == Mode::TetherHold && out.ground == GroundState::InAir
+    });
+    run(&mut flight, 5.0);
+    let at = flight.world.now().0 as f64 * 1e-6;
+    flight.world.faults.add(FaultSection { kind, at, duration: None, value });
+    flight
+}
+
+fn told(flight: &Flight<Vec<u8>>, text: &str) -> bool {
+    flight.events.iter().any(|(_, e)| e.text.contains(text))
+}
+
+/// Goes on until disarmed; the last step before it, and the sink rate at the ground.
+fn down(flight: &mut Flight<Vec<u8>>, limit: f64) -> StepOutput {
+    let out = until(flight, limit, |out| !out.is_armed);
+    run(flight, 3.0);
+    assert!(flight.world.plant.ground.is_touching(), "not on the ground");
+    assert!(flight.world.plant.thrust() < 1.0, "motors still turn");
+    out
+}
+
+fn upright(flight: &Flight<Vec<u8>>) -> bool {
+    flight.world.plant.body.tilt() < 0.3
+}
+
+#[test]
+fn a_frozen_imu_in_flight_stops_the_motors() {
+    let mut flight = broken_in_hold(FaultKind::ImuFrozen, 0.0);
+    let began = flight.world.time();
+    let out = until(&mut flight, 1.0, |out| !out.is_armed);
+    assert_eq!(out.sensors.imu_health, ImuHealth::Frozen);
+    assert!(flight.world.time() - began < 0.1);
+    assert!(told(&flight, "IMU lost: motors off"));
+    assert!(out.actuation.throttle.iter().all(|&u| u == 0.0));
+}
+
+#[test]
+fn a_silent_imu_in_flight_stops_the_motors() {
+    let mut flight = broken_in_hold(FaultKind::ImuSilent, 0.0);
+    let out = until(&mut flight, 1.0, |out| !out.is_armed);
+    assert_eq!(out.sensors.imu_health, ImuHealth::Stale);
+}
+
+#[test]
+fn an_imu_that_left_its_bus_in_flight_stops_the_motors() {
+    let mut flight = broken_in_hold(FaultKind::ImuDead, 0.0);
+    until(&mut flight, 1.0, |out| !out.is_armed);
+    assert!(told(&flight, "IMU lost: motors off"));
+}
+
+#[test]
+fn a_lost_rangefinder_changes_to_the_barometer_and_nothing_else() {
+    let mut flight = broken_in_hold(FaultKind::RangefinderLost, 0.0);
+    let out = run(&mut flight, 20.0);
+    assert!(!out.sensors.altitude_is_ranged && out.sensors.altitude_is_fresh);
+    assert_eq!((out.mode, out.failures), (Mode::TetherHold, 0));
+    assert!((flight.world.plant.body.height() - 5.0).abs() < 1.0);
+}
+
+#[test]
+fn without_any_altimeter_it_descends_level_and_stops() {
+    let mut flight = broken_in_hold(FaultKind::AltimeterLost, 0.0);
+    until(&mut flight, 3.0, |out| out.mode == Mode::Descent);
+    assert!(told(&flight, "Altimeter lost: descending"));
+    down(&mut flight, 60.0);
+    assert!(upright(&flight));
+    assert!(flight.metrics.touch_down.unwrap() < 2.5, "{:?}", flight.metrics.touch_down);
+}
+
+#[test]
+fn a_broken_tether_ends_in_a_level_descent() {
+    let mut flight = broken_in_hold(FaultKind::TetherBroken, 0.0);
+    until(&mut flight, 10.0, |out| out.mode == Mode::Descent);
+    down(&mut flight, 60.0);
+    assert!(upright(&flight));
+    assert!(flight.metrics.touch_down.unwrap() < 1.0, "{:?}", flight.metrics.touch_down);
+}
+
+#[test]
+fn a_silent_winch_ends_in_a_landing() {
+    let mut flight = broken_in_hold(FaultKind::WinchSilent, 0.0);
+    until(&mut flight, 3.0, |out| out.mode == Mode::Land);
+    assert!(told(&flight, "Tether length lost: landing"));
+    down(&mut flight, 90.0);
+    assert!(upright(&flight));
+}
+
+#[test]
+fn a_low_battery_ends_in_a_landing_and_a_critical_one_in_a_descent() {
+    let mut flight = broken_in_hold(FaultKind::BatteryAt, 0.06);
+    until(&mut flight, 20.0, |out| out.mode == Mode::Land);
+    down(&mut flight, 90.0);
+    let mut flight = broken_in_hold(FaultKind::BatteryAt, 0.0);
+    until(&mut flight, 20.0, |out| out.mode == Mode::Descent);
+    down(&mut flight, 60.0);
+    assert!(upright(&flight));
+}
+
+#[test]
+fn a_lost_link_ends_in_a_landing() {
+    let mut flight = broken_in_hold(FaultKind::LinkLost, 0.0);
+    until(&mut flight, 6.5, |out| out.mode == Mode::Land);
+    assert!(told(&flight, "Ground station lost"));
+    down(&mut flight, 90.0);
+    assert!(told(&flight, "Landed, disarmed"));
+    let p = flight.world.plant.body.position;
+    assert!(p.x.hypot(p.y) < 2.0, "far from where it started: {p}");
+}
+
+#[test]
+fn a_gyro_that_lies_is_found_out_before_the_vehicle_is_lost_or_holds_it() {
+    let mut flight = broken_in_hold(FaultKind::GyroBias, 0.02);
+    let out = run(&mut flight, 30.0);
+    // 1.1 °/s on every axis: the attitude filter takes most of it as bias; yaw cannot be known.
+    assert!(out.is_armed || flight.world.plant.ground.is_touching());
+    assert!(flight.world.plant.body.tilt() < 0.6);
+}
+
+#[test]
+fn a_fault_on_the_ground_refuses_arming_and_a_fault_while_armed_there_disarms() {
+    let mut flight = flight(
+        "[[mission]]\ndo = \"arm\"\n[[mission]]\ndo = \"await_disarmed\"\ntimeout = 60.0",
+        1,
+    );
+    until(&mut flight, 10.0, |out| out.is_armed);
+    let at = flight.world.now().0 as f64 * 1e-6;
+    flight.world.faults.add(FaultSection {
+        kind: FaultKind::WinchSilent,
+        at,
+        duration: None,
+        value: 0.0,
+    });
+    until(&mut flight, 3.0, |out| !out.is_armed);
+    assert!(told(&flight, "Disarmed: failsafe on the ground"));
+    let out = run(&mut flight, 1.0);
+    assert!(!out.is_armable);
+}
+
+#[test]
+fn armed_on_the_ground_without_takeoff_the_motors_stop_by_themselves() {
+    let mut flight = flight(
+        "[[mission]]\ndo = \"arm\"\n[[mission]]\ndo = \"await_disarmed\"\ntimeout = 60.0",
+        1,
+    );
+    until(&mut flight, 10.0, |out| out.is_armed);
+    until(&mut flight, 20.0, |out| !out.is_armed);
+    assert!(told(&flight, "Disarmed: no take-off"));
+}

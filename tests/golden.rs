@@ -71,6 +71,12 @@ struct Check {
     worst: f64,
 }
 
+impl Drop for Check {
+    fn drop(&mut self) {
+        println!("largest error {:.1e}, bound {:.0e}", self.worst, self.bound);
+    }
+}
+
 impl Check {
     fn new(bound: f64) -> Self {
         Self { bound, worst: 0.0 }

@@ -1,1 +1,116 @@
-//! x
+//! f64, f32 and fixed point agree within stated bounds.
+
+#![allow(clippy::unwrap_used, clippy::panic, clippy::indexing_slicing, reason = "tests")]
+
+use tautline_firmware::control::{Mixer, ThrustMap};
+use tautline_firmware::estimate::{Mahony, MahonyState};
+use tautline_firmware::fixed::Q16;
+use tautline_firmware::frames::{Attitude, Body, V3};
+use tautline_firmware::math::so3;
+use tautline_firmware::param::Params;
+use tautline_firmware::scalar::Scalar;
+use tautline_firmware::sense::ImuScale;
+use tautline_firmware::signal::{RawImu, RawRange, Wrench};
+use tautline_firmware::time::{Micros, Sample};
+use tautline_firmware::trajectory::smooth_step;
+use tautline_firmware::vehicle::{StepInput, Vehicle};
+
+fn v<S: Scalar>(x: f64, y: f64, z: f64) -> V3<S> {
+    V3::new(S::lit(x), S::lit(y), S::lit(z))
+}
+
+/// Ten seconds of a swinging attitude.
+fn attitude<S: Scalar>() -> [f32; 4] {
+    let filter = Mahony { kp: S::lit(0.2), ki: S::lit(0.01) };
+    let mut state =
+        MahonyState { attitude: Attitude::level(S::lit(0.4)), gyro_bias: Body(V3::zeros()) };
+    for i in 0..2500 {
+        let t = f64::from(i) * 0.004;
+        let gyro = v(0.3 * t.sin(), 0.2 * (1.3 * t).cos(), 0.1);
+        let accel = v(0.5 * t.sin(), -0.3, -9.81);
+        filter.step(&mut state, &Body(gyro), &Body(accel), S::lit(0.004)).unwrap();
+    }
+    state.attitude.quaternion().map(Scalar::to_f32)
+}
+
+#[test]
+fn the_attitude_filter_agrees_in_all_scalars() {
+    let (double, single, fixed) = (attitude::<f64>(), attitude::<f32>(), attitude::<Q16>());
+    for i in 0..4 {
+        assert!((single[i] - double[i]).abs() < 1e-4, "f32 {single:?} {double:?}");
+        // 2500 rotations of at most 2^-17 rounding each, drawn back by the accelerometer: measured 0.006.
+        assert!((fixed[i] - double[i]).abs() < 0.02, "Q16 {fixed:?} {double:?}");
+    }
+}
+
+fn thrusts<S: Scalar>(roll: f64, yaw: f64) -> [f32; 4] {
+    let mixer = Mixer::<S>::new(&Params::default());
+    let map = ThrustMap::<S>::new(&Params::default());
+    let (f, _) = mixer.step(&Wrench { thrust: S::lit(15.0), torque: Body(v(roll, -0.2, yaw)) });
+    f.map(|thrust| map.throttle(thrust, Some(S::lit(14.8))).to_f32())
+}
+
+#[test]
+fn mixer_and_thrust_map_agree_in_all_scalars() {
+    for i in 0..200 {
+        let x = f64::from(i) * 0.02 - 2.0;
+        let (double, single, fixed) =
+            (thrusts::<f64>(x, 0.1 * x), thrusts::<f32>(x, 0.1 * x), thrusts::<Q16>(x, 0.1 * x));
+        for k in 0..4 {
+            assert!((single[k] - double[k]).abs() < 1e-5);
+            assert!((fixed[k] - double[k]).abs() < 2e-3, "{x}: {fixed:?} {double:?}");
+        }
+    }
+}
+
+#[test]
+fn rotations_and_smooth_steps_agree_in_fixed_point() {
+    for i in 1..300 {
+        let a = f64::from(i) * 0.01;
+        let exact = so3::exp(&v::<f64>(a, -0.5 * a, 0.2));
+        let fixed = so3::exp(&v::<Q16>(a, -0.5 * a, 0.2));
+        for (f, e) in fixed.iter().zip(exact.iter()) {
+            assert!((f64::from(f.to_f32()) - e).abs() < 2e-4, "{a}");
+        }
+        let (e, f) = (smooth_step(a / 3.0), smooth_step(Q16::lit(a / 3.0)));
+        assert!((f64::from(f.0.to_f32()) - e.0).abs() < 2e-4);
+    }
+}
+
+/// The same readings through a whole vehicle: at rest on the ground, levelling.
+fn rest<S: Scalar>() -> (bool, f32, f32) {
+    let scale = ImuScale { gyro: 1.065e-3, accel: 4.788e-3, rate_hz: 1000.0 };
+    let mut vehicle = Vehicle::<S>::new(Params::default(), scale);
+    let mut out = vehicle.step(&StepInput::default());
+    for i in 1..6000_u64 {
+        let now = Micros(i * 1000);
+        let flicker = (i % 3) as i16 - 1;
+        // Chip axes of the reference board: body (y, x, -z).
+        let imu = RawImu {
+            accel: [flicker, 100 + flicker, 2046],
+            gyro: [flicker, 2, -flicker],
+            temperature: 30.0,
+        };
+        let mut input = StepInput { now, ..StepInput::default() };
+        input.sensors.imu = Some(Sample { at: now, value: imu });
+        if i % 10 == 0 {
+            input.sensors.range =
+                Some(Sample { at: now, value: RawRange { distance_cm: Some(12) } });
+        }
+        out = vehicle.step(&input);
+    }
+    let (roll, pitch, _) = out.estimate.attitude.euler();
+    (out.estimate.is_levelled, roll.to_f32(), pitch.to_f32())
+}
+
+#[test]
+fn the_whole_step_runs_and_levels_in_all_scalars() {
+    let (double, single, fixed) = (rest::<f64>(), rest::<f32>(), rest::<Q16>());
+    assert!(double.0 && single.0 && fixed.0);
+    assert!((double.2 - 0.0489).abs() < 2e-3, "pitch {}", double.2);
+    assert!((single.1 - double.1).abs() < 1e-4 && (single.2 - double.2).abs() < 1e-4);
+    assert!(
+        (fixed.1 - double.1).abs() < 5e-3 && (fixed.2 - double.2).abs() < 5e-3,
+        "{fixed:?} {double:?}"
+    );
+}

@@ -1,1 +1,65 @@
-fn main() {}
+//! Project tasks. `cargo xtask ci` passes all tests from a fresh clone; the others are its parts.
+
+mod ci;
+mod install;
+mod params;
+
+use std::process::{Command, ExitCode};
+
+/// What a task may end with: one line for whoever ran it.
+type Outcome = Result<(), String>;
+
+const USAGE: &str = "usage: cargo xtask TASK
+
+  ci             install what is missing, then check everything (what .ci/run runs)
+  params         write docs/parameters.md from the parameter table; --check only compares
+  nopanic        link Vehicle::step with a panic handler that does not exist
+  clients        the pymavlink and pyulog flights alone";
+
+fn main() -> ExitCode {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
+    let result = match words.as_slice() {
+        ["ci"] => ci::everything(),
+        ["params"] => params::write(),
+        ["params", "--check"] => params::check(),
+        ["nopanic"] => ci::nopanic(),
+        ["clients"] => ci::clients(),
+        ["help" | "--help" | "-h"] => {
+            println!("{USAGE}");
+            return ExitCode::SUCCESS;
+        }
+        _ => {
+            eprintln!("{USAGE}");
+            return ExitCode::from(2);
+        }
+    };
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(why) => {
+            eprintln!("xtask: {why}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// Runs a program in the workspace and says so; its failure is the task's.
+fn run(program: &str, arguments: &[&str]) -> Outcome {
+    run_with(program, arguments, &[])
+}
+
+fn run_with(program: &str, arguments: &[&str], environment: &[(&str, &str)]) -> Outcome {
+    println!("\n== {program} {}", arguments.join(" "));
+    let status = Command::new(program)
+        .args(arguments)
+        .envs(environment.iter().copied())
+        .current_dir(root())
+        .status()
+        .map_err(|e| format!("{program}: {e}"))?;
+    if status.success() { Ok(()) } else { Err(format!("{program} {} failed", arguments.join(" "))) }
+}
+
+/// The workspace.
+fn root() -> std::path::PathBuf {
+    std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
+}

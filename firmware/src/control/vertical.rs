@@ -28,6 +28,12 @@ pub struct ClimbState<S> {
 }
 
 impl<S: Scalar> ClimbLoop<S> {
+    /// The state in which this upward force, N, is what keeps the climb rate.
+    #[must_use]
+    pub fn holding(&self, force: S) -> ClimbState<S> {
+        ClimbState { integral: (force / self.mass - S::lit(GRAVITY)).limit_abs(self.integral_max) }
+    }
+
     /// Upward force, N, over `dt` s. Rates in m/s, up.
     pub fn step(&self, state: &mut ClimbState<S>, wanted: S, climb: S, dt: S) -> S {
         let error = (wanted - climb).limit_abs(S::one());

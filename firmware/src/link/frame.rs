@@ -53,6 +53,7 @@ impl Frame {
 }
 
 /// What one look at the buffer found.
+#[expect(clippy::large_enum_variant, reason = "lives on the stack for one call")]
 enum Look {
     /// Wait for more bytes.
     More,

@@ -72,7 +72,7 @@ impl Link {
             self.send_parameter(index, params, sink);
         }
         let Some(index) = self.listing else { return };
-        if (now.0 / 1000) % LIST_PERIOD_MS == 0 {
+        if (now.0 / 1000).is_multiple_of(LIST_PERIOD_MS) {
             self.send_parameter(index, params, sink);
             self.listing = Some(index + 1).filter(|&next| usize::from(next) < Params::COUNT);
         }

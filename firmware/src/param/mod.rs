@@ -71,7 +71,8 @@ impl Params {
     /// [`ParamError`]; nothing is changed.
     pub fn set(&mut self, index: usize, value: f32) -> Result<(), ParamError> {
         let meta = META.get(index).ok_or(ParamError::Unknown)?;
-        if !value.is_finite() || (meta.kind == Kind::Int && libm::truncf(value) != value) {
+        let is_whole = || libm::truncf(value).total_cmp(&value).is_eq();
+        if !value.is_finite() || (meta.kind == Kind::Int && !is_whole()) {
             return Err(ParamError::NotANumber);
         }
         if value < meta.min || value > meta.max {

@@ -87,13 +87,13 @@ params! {
         /// Distance of the vehicle from the anchor before take-off with a winch, along its nose.
         start_distance: "TET_START_DIST" Real ["m"] = 0.8 in 0.2 ..= 5.0;
         /// Heading of the nose at start-up, from North. Azimuth and all world axes follow from it.
-        start_heading: "TET_HDG0" Real ["rad"] = 0.0 in -6.2832 ..= 6.2832;
+        start_heading: "TET_HDG0" Real ["rad"] = 0.0 in -6.3 ..= 6.3;
         /// Tether mass per length.
         line_density: "TET_LIN_DENS" Real ["kg/m"] = 0.002 in 0.0 ..= 1.0;
         /// Lowest elevation that a set-point may have.
         elevation_min: "TET_EL_MIN" Real ["rad"] = 0.2 in 0.0 ..= 1.5;
         /// Highest elevation that a set-point may have.
-        elevation_max: "TET_EL_MAX" Real ["rad"] = 1.55 in 0.1 ..= 1.5707;
+        elevation_max: "TET_EL_MAX" Real ["rad"] = 1.55 in 0.1 ..= 1.569;
         /// Longest tether a set-point may ask of the winch.
         length_max: "TET_LEN_MAX" Real ["m"] = 30.0 in 1.0 ..= 200.0;
     }
@@ -147,7 +147,7 @@ params! {
         /// Highest total thrust asked by the position loop.
         thrust_max: "TPC_THR_MAX" Real ["N"] = 28.0 in 1.0 ..= 2000.0;
         /// Largest tilt.
-        tilt_max: "TPC_TILT_MAX" Real ["rad"] = 0.7854 in 0.1 ..= 1.2;
+        tilt_max: "TPC_TILT_MAX" Real ["rad"] = 0.78 in 0.1 ..= 1.2;
         /// Speed of moves to a new set-point.
         cruise_speed: "TPC_XY_CRUISE" Real ["m/s"] = 1.0 in 0.1 ..= 5.0;
     }

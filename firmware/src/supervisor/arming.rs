@@ -120,7 +120,10 @@ impl ArmingCheck {
     /// The first check that fails.
     #[must_use]
     pub fn first_failure(facts: &ArmingFacts, force: bool) -> Option<&'static Self> {
-        ARMING_CHECKS.iter().find(|check| !(check.passes)(facts) && !(force && check.may_be_forced))
+        ARMING_CHECKS
+            .iter()
+            .filter(|check| !(force && check.may_be_forced))
+            .find(|check| !(check.passes)(facts))
     }
 }
 

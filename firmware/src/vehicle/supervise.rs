@@ -144,7 +144,9 @@ impl<S: Scalar> Vehicle<S> {
         }
         state.ground = GroundState::InAir;
         state.contact_ramp = S::one();
-        state.climb = crate::control::ClimbState::default();
+        // The thrust of the moment carries weight and tether: the climb loop starts from there.
+        let lift = state.estimate.thrust * state.estimate.attitude.cos_tilt();
+        state.climb = self.config.climb.holding(lift);
         let Some(position) = state.estimate.position else {
             return;
         };

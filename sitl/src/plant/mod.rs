@@ -20,6 +20,9 @@ pub use wind::{Gusts, Wind, WindModel};
 use nalgebra::Vector3;
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64Mcg;
+
+/// The random numbers of the simulator.
+pub type Generator = Pcg64Mcg;
 use rand_pcg::rand_core::SeedableRng;
 
 /// A vector.

@@ -1,0 +1,82 @@
+//! Everything that must hold before a change lands.
+
+use crate::{Outcome, install, params, run, run_with};
+use std::process::Command;
+
+const BOARDS: [&str; 2] = ["thumbv7em-none-eabihf", "thumbv6m-none-eabi"];
+const DENY_WARNINGS: [(&str, &str); 1] = [("RUSTDOCFLAGS", "-D warnings")];
+
+/// All checks; the test runner's closing line comes last.
+pub fn everything() -> Outcome {
+    install::rust_targets(&BOARDS)?;
+    let python = install::python_clients()?;
+    run("cargo", &["fmt", "--all", "--check"])?;
+    run("cargo", &["clippy", "--workspace", "--all-targets", "--locked", "--", "-D", "warnings"])?;
+    params::check()?;
+    for board in BOARDS {
+        run(
+            "cargo",
+            &[
+                "build",
+                "--release",
+                "--locked",
+                "-p",
+                "tautline-firmware",
+                "-p",
+                "tautline-hal-shim",
+                "--target",
+                board,
+            ],
+        )?;
+    }
+    nopanic()?;
+    run_with("cargo", &["doc", "--workspace", "--no-deps", "--locked"], &DENY_WARNINGS)?;
+    fly_clients(&python)?;
+    campaigns()?;
+    run("cargo", &["test", "--workspace", "--locked"])
+}
+
+/// The pymavlink flights alone.
+pub fn clients() -> Outcome {
+    fly_clients(&install::python_clients()?)
+}
+
+fn fly_clients(python: &str) -> Outcome {
+    run("cargo", &["build", "--release", "--locked", "-p", "tautline-sitl"])?;
+    run(python, &["-m", "pytest", "-q", "-s", "tests/clients"])
+}
+
+/// A few seeds of each table; the whole table is `cargo sitl campaign FILE --out DIR`.
+fn campaigns() -> Outcome {
+    for name in ["calm", "gusts-3", "fixed"] {
+        let file = format!("sitl/campaigns/{name}.toml");
+        let out = format!("target/campaigns/{name}");
+        run(sitl(), &["campaign", &file, "--seeds", "3", "--out", &out])?;
+    }
+    Ok(())
+}
+
+fn sitl() -> &'static str {
+    "target/release/sitl"
+}
+
+/// The flight step must link without a panic handler, and the same program with a panic must not.
+pub fn nopanic() -> Outcome {
+    let [board, _] = BOARDS;
+    install::rust_targets(&[board])?;
+    let link =
+        ["build", "--locked", "-p", "tautline-nopanic", "--profile", "nopanic", "--target", board];
+    run("cargo", &link)?;
+    let canary = Command::new("cargo")
+        .args(link)
+        .args(["--features", "canary"])
+        .current_dir(crate::root())
+        .output()
+        .map_err(|e| format!("cargo: {e}"))?;
+    let text = String::from_utf8_lossy(&canary.stderr);
+    if canary.status.success() || !text.contains("tautline_step_may_panic") {
+        return Err(format!("the canary's panic was not found by the linker:\n{text}"));
+    }
+    println!("no panic is reachable from Vehicle::step; the canary's was found");
+    Ok(())
+}

@@ -1,0 +1,49 @@
+//! What the checks need beyond Rust. Each says what it installs before it does.
+
+use crate::{root, run};
+use std::process::Command;
+
+/// Rust's own targets, for the toolchain that the project names.
+pub fn rust_targets(targets: &[&str]) -> Result<(), String> {
+    let listed = Command::new("rustup")
+        .args(["target", "list", "--installed"])
+        .current_dir(root())
+        .output()
+        .map_err(|e| {
+            format!("rustup (https://rustup.rs) is needed to install {}: {e}", targets.join(", "))
+        })?;
+    let listed = String::from_utf8_lossy(&listed.stdout);
+    for target in targets {
+        if !listed.lines().any(|line| line == *target) {
+            println!("installing the Rust target {target} with rustup");
+            run("rustup", &["target", "add", target])?;
+        }
+    }
+    Ok(())
+}
+
+const STAMP: &str = "target/venv/requirements.txt";
+const PYTHON: &str = "target/venv/bin/python";
+const REQUIREMENTS: &str = "tests/clients/requirements.txt";
+
+/// A Python environment of the project's own with the real clients; its interpreter.
+pub fn python_clients() -> Result<String, String> {
+    let wanted = std::fs::read_to_string(root().join(REQUIREMENTS))
+        .map_err(|e| format!("{REQUIREMENTS}: {e}"))?;
+    let present = std::fs::read_to_string(root().join(STAMP)).unwrap_or_default();
+    if wanted != present {
+        println!(
+            "installing into target/venv from PyPI: {}",
+            wanted.lines().filter(|l| !l.starts_with('#')).collect::<Vec<_>>().join(", ")
+        );
+        let needs =
+            |e| format!("{e}\nPython 3.11 or newer with venv is needed (Debian: python3-venv)");
+        run("python3", &["-m", "venv", "target/venv"]).map_err(needs)?;
+        run(
+            PYTHON,
+            &["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "-r", REQUIREMENTS],
+        )?;
+        std::fs::write(root().join(STAMP), wanted).map_err(|e| format!("{STAMP}: {e}"))?;
+    }
+    Ok(PYTHON.to_owned())
+}
