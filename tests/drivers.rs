@@ -1,6 +1,12 @@
 //! Register traffic of every driver against the fakes.
 
-#![allow(clippy::unwrap_used, clippy::panic, clippy::indexing_slicing, reason = "tests")]
+#![allow(
+    clippy::unwrap_used,
+    clippy::panic,
+    clippy::indexing_slicing,
+    clippy::float_cmp,
+    reason = "tests"
+)]
 
 use tautline_hal_shim::barometer::dps310::{self, ADDRESS, Dps310};
 use tautline_hal_shim::battery::BatteryMonitor;

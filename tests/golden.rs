@@ -281,8 +281,8 @@ fn fullstate_every_group_is_known_and_some_are_checked() {
     }
 }
 
-/// 1e-9 is the specification's tolerance for f64; the f32 bounds are ten times the largest error seen,
-/// and tighter than the specification's 2e-4 for states and 2e-3 for covariances.
+/// 1e-9 is the specification's tolerance for f64. For f32 the specification allows 2e-4 on states and
+/// 2e-3 on covariances; the largest error seen is 9e-7, and 2e-5 leaves room for other vectors.
 macro_rules! golden {
     ($($name:ident, $name32:ident, $check:ident, $f32:literal;)+) => {$(
         #[test]
@@ -301,10 +301,10 @@ macro_rules! golden {
 }
 
 golden! {
-    fullstate_mahony_f64, fullstate_mahony_f32, check_mahony, 2e-6;
-    fullstate_ekf4_f64, fullstate_ekf4_f32, check_ekf4, 5e-5;
-    fullstate_outer_f64, fullstate_outer_f32, check_outer, 1e-5;
+    fullstate_mahony_f64, fullstate_mahony_f32, check_mahony, 2e-5;
+    fullstate_ekf4_f64, fullstate_ekf4_f32, check_ekf4, 2e-5;
+    fullstate_outer_f64, fullstate_outer_f32, check_outer, 2e-5;
     fullstate_attitude_cmd_f64, fullstate_attitude_cmd_f32, check_attitude, 2e-5;
-    fullstate_rate_loop_f64, fullstate_rate_loop_f32, check_rate, 5e-6;
-    fullstate_mixer_f64, fullstate_mixer_f32, check_mixer, 5e-6;
+    fullstate_rate_loop_f64, fullstate_rate_loop_f32, check_rate, 2e-5;
+    fullstate_mixer_f64, fullstate_mixer_f32, check_mixer, 2e-5;
 }

@@ -125,8 +125,11 @@ impl Plant {
         let mut force_sum = V3::zeros();
         let wind = self.wind.step(&self.model.wind, self.body.height(), 1e-3, &mut self.rng);
         let voltage = self.battery.voltage();
+        for (rotor, &u) in self.rotors.iter_mut().zip(throttle) {
+            rotor.command(&self.model.rotor, u, voltage);
+        }
         for _ in 0..SUBSTEPS {
-            force_sum += self.substep(throttle, winch_tension, wind, voltage);
+            force_sum += self.substep(winch_tension, wind);
             self.time += DT;
         }
         self.specific_force = force_sum / f64::from(SUBSTEPS);
@@ -134,12 +137,12 @@ impl Plant {
         self.battery.step(&self.model.battery, power, 1e-3);
     }
 
-    fn substep(&mut self, throttle: &[f64; 4], winch_tension: f64, wind: V3, voltage: f64) -> V3 {
+    fn substep(&mut self, winch_tension: f64, wind: V3) -> V3 {
         let m = &self.model;
         let mut thrust = 0.0;
         let mut torque = V3::zeros();
-        for ((rotor, &u), (x, y, spin)) in self.rotors.iter_mut().zip(throttle).zip(HUBS) {
-            let t = rotor.step(&m.rotor, u, voltage, DT);
+        for (rotor, (x, y, spin)) in self.rotors.iter_mut().zip(HUBS) {
+            let t = rotor.step(&m.rotor, DT);
             thrust += t;
             let hub = V3::new(x * m.rotor.arm, y * m.rotor.arm, 0.0);
             torque += hub.cross(&V3::new(0.0, 0.0, -t));

@@ -4,6 +4,7 @@ use super::read::{FlightData, Series};
 use plotters::coord::Shift;
 use plotters::prelude::*;
 use std::error::Error;
+use std::ops::Range;
 use std::path::Path;
 
 const TRUTH: RGBColor = RGBColor(30, 30, 30);
@@ -22,6 +23,20 @@ struct Line {
     points: Series,
 }
 
+impl Line {
+    fn new(name: &'static str, colour: RGBColor, points: Series) -> Self {
+        Self { name, colour, points }
+    }
+}
+
+/// Texts of one chart.
+struct Panel {
+    title: &'static str,
+    x: &'static str,
+    y: &'static str,
+    legend: SeriesLabelPosition,
+}
+
 /// Draws a log's flight as SVG.
 ///
 /// # Errors
@@ -37,52 +52,55 @@ fn try_draw(data: &FlightData, title: &str, path: &Path) -> Result<(), Box<dyn E
     let panels = root.split_evenly((2, 2));
     let [map, height, angles, tension] = panels.as_slice() else { return Ok(()) };
     draw_map(map, data)?;
-    let [_, _, true_down] = &data.truth;
-    let [_, _, down] = &data.estimate;
-    let [_, _, wanted_down] = &data.setpoint;
+    let [[_, _, true_down], [_, _, down], [_, _, wanted_down]] =
+        [&data.truth, &data.estimate, &data.setpoint];
     let up = |s: &Series| s.iter().map(|&(t, z)| (t, -z)).collect::<Series>();
-    chart(
-        height,
-        "Height over the anchor",
-        "time, s",
-        "m",
-        &[
-            Line { name: "truth", colour: TRUTH, points: up(true_down) },
-            Line { name: "estimate", colour: ESTIMATE, points: up(down) },
-            Line { name: "set-point", colour: SETPOINT, points: up(wanted_down) },
-        ],
-    )?;
+    let lines = [
+        Line::new("truth", TRUTH, up(true_down)),
+        Line::new("estimate", ESTIMATE, up(down)),
+        Line::new("set-point", SETPOINT, up(wanted_down)),
+    ];
+    let panel = Panel {
+        title: "Height over the anchor",
+        x: "time, s",
+        y: "m",
+        legend: SeriesLabelPosition::LowerMiddle,
+    };
+    over_time(height, &panel, &lines)?;
+
     let [true_elevation, true_azimuth, true_tension] = &data.true_tether;
     let [elevation, azimuth, estimated_tension] = &data.tether;
     let degrees = |s: &Series| s.iter().map(|&(t, a)| (t, a.to_degrees())).collect::<Series>();
-    chart(
+    let lines = [
+        Line::new("truth", TRUTH, degrees(true_elevation)),
+        Line::new("estimate", ESTIMATE, degrees(elevation)),
+        Line::new("", TRUTH, degrees(true_azimuth)),
+        Line::new("", ESTIMATE, degrees(azimuth)),
+    ];
+    let title = "Tether elevation (upper) and azimuth (lower)";
+    over_time(
         angles,
-        "Tether elevation (upper) and azimuth (lower)",
-        "time, s",
-        "deg",
-        &[
-            Line { name: "truth", colour: TRUTH, points: degrees(true_elevation) },
-            Line { name: "estimate", colour: ESTIMATE, points: degrees(elevation) },
-            Line { name: "", colour: TRUTH, points: degrees(true_azimuth) },
-            Line { name: "", colour: ESTIMATE, points: degrees(azimuth) },
-        ],
+        &Panel { title, x: "time, s", y: "deg", legend: SeriesLabelPosition::UpperMiddle },
+        &lines,
     )?;
-    chart(
-        tension,
-        "Tether tension",
-        "time, s",
-        "N",
-        &[
-            Line { name: "truth", colour: TRUTH_FAINT, points: true_tension.clone() },
-            Line { name: "estimate", colour: ESTIMATE, points: estimated_tension.clone() },
-            Line { name: "asked of the winch", colour: SETPOINT, points: data.winch.clone() },
-        ],
-    )?;
+
+    let lines = [
+        Line::new("truth", TRUTH_FAINT, true_tension.clone()),
+        Line::new("estimate", ESTIMATE, estimated_tension.clone()),
+        Line::new("asked of the winch", SETPOINT, data.winch.clone()),
+    ];
+    let panel = Panel {
+        title: "Tether tension",
+        x: "time, s",
+        y: "N",
+        legend: SeriesLabelPosition::LowerMiddle,
+    };
+    over_time(tension, &panel, &lines)?;
     root.present()?;
     Ok(())
 }
 
-fn bounds(lines: &[Line], pick: impl Fn(&(f64, f64)) -> f64) -> std::ops::Range<f64> {
+fn bounds(lines: &[Line], pick: impl Fn(&(f64, f64)) -> f64) -> Range<f64> {
     let values =
         lines.iter().flat_map(|line| line.points.iter().map(&pick)).filter(|v| v.is_finite());
     let (low, high) =
@@ -96,34 +114,30 @@ fn bounds(lines: &[Line], pick: impl Fn(&(f64, f64)) -> f64) -> std::ops::Range<
 
 /// At most about this many points per line: enough for a picture.
 fn thin(points: &Series) -> impl Iterator<Item = (f64, f64)> + '_ {
-    points.iter().copied().step_by((points.len() / 1500).max(1))
+    points.iter().copied().step_by((points.len() / 800).max(1))
 }
 
-fn chart(area: &Area, title: &str, x: &str, y: &str, lines: &[Line]) -> Result<(), Box<dyn Error>> {
-    plot(area, title, x, y, lines, bounds(lines, |p| p.0), bounds(lines, |p| p.1), &[])
+fn over_time(area: &Area, panel: &Panel, lines: &[Line]) -> Result<(), Box<dyn Error>> {
+    plot(area, panel, lines, (bounds(lines, |p| p.0), bounds(lines, |p| p.1)), &[])
 }
 
-#[expect(clippy::too_many_arguments, reason = "a chart has that many parts")]
 fn plot(
     area: &Area,
-    title: &str,
-    x: &str,
-    y: &str,
+    panel: &Panel,
     lines: &[Line],
-    x_range: std::ops::Range<f64>,
-    y_range: std::ops::Range<f64>,
+    (x_range, y_range): (Range<f64>, Range<f64>),
     marks: &[(f64, f64)],
 ) -> Result<(), Box<dyn Error>> {
     let mut chart = ChartBuilder::on(area)
-        .caption(title, ("sans-serif", 20))
+        .caption(panel.title, ("sans-serif", 20))
         .margin(12)
         .x_label_area_size(42)
         .y_label_area_size(54)
         .build_cartesian_2d(x_range, y_range)?;
     chart
         .configure_mesh()
-        .x_desc(x)
-        .y_desc(y)
+        .x_desc(panel.x)
+        .y_desc(panel.y)
         .light_line_style(RGBColor(240, 240, 240))
         .label_style(("sans-serif", 15))
         .axis_desc_style(("sans-serif", 16))
@@ -141,6 +155,7 @@ fn plot(
     chart.draw_series(marks.iter().map(|&at| Circle::new(at, 5, SETPOINT.filled())))?;
     chart
         .configure_series_labels()
+        .position(panel.legend.clone())
         .background_style(WHITE.mix(0.85))
         .border_style(RGBColor(180, 180, 180))
         .label_font(("sans-serif", 15))
@@ -154,9 +169,9 @@ fn draw_map(area: &Area, data: &FlightData) -> Result<(), Box<dyn Error>> {
         east.iter().zip(north).map(|(&(_, e), &(_, n))| (e, n)).collect::<Series>()
     };
     let lines = [
-        Line { name: "truth", colour: TRUTH, points: track(&data.truth) },
-        Line { name: "estimate", colour: ESTIMATE, points: track(&data.estimate) },
-        Line { name: "set-point", colour: SETPOINT, points: track(&data.setpoint) },
+        Line::new("truth", TRUTH, track(&data.truth)),
+        Line::new("estimate", ESTIMATE, track(&data.estimate)),
+        Line::new("set-point", SETPOINT, track(&data.setpoint)),
     ];
     let (xs, ys) = (bounds(&lines, |p| p.0), bounds(&lines, |p| p.1));
     let (width, height) = area.dim_in_pixel();
@@ -164,14 +179,11 @@ fn draw_map(area: &Area, data: &FlightData) -> Result<(), Box<dyn Error>> {
     let half = ((xs.end - xs.start) / shape).max(ys.end - ys.start) / 2.0;
     let (cx, cy) = (f64::midpoint(xs.start, xs.end), f64::midpoint(ys.start, ys.end));
     let (x_range, y_range) = ((cx - half * shape)..(cx + half * shape), (cy - half)..(cy + half));
-    plot(
-        area,
-        "Map (the dot is the anchor)",
-        "East, m",
-        "North, m",
-        &lines,
-        x_range,
-        y_range,
-        &[(0.0, 0.0)],
-    )
+    let panel = Panel {
+        title: "Map (the dot is the anchor)",
+        x: "East, m",
+        y: "North, m",
+        legend: SeriesLabelPosition::MiddleRight,
+    };
+    plot(area, &panel, &lines, (x_range, y_range), &[(0.0, 0.0)])
 }

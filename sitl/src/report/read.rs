@@ -26,6 +26,7 @@ mod logged {
         pub x: f32,
         pub y: f32,
         pub z: f32,
+        pub xy_valid: bool,
     }
     #[derive(ULogData)]
     pub struct VehicleLocalPositionGroundtruth {
@@ -100,6 +101,7 @@ impl FlightData {
         let stream = Logged::stream(BufReader::new(file)).map_err(|e| format!("{name}: {e}"))?;
         for message in stream {
             match message.map_err(|e| format!("{name}: {e}"))? {
+                Logged::Position(m) if !m.xy_valid => {}
                 Logged::Position(m) => push(&mut data.estimate, m.timestamp, [m.x, m.y, m.z]),
                 Logged::TruePosition(m) => push(&mut data.truth, m.timestamp, [m.x, m.y, m.z]),
                 Logged::Setpoint(m) => push(&mut data.setpoint, m.timestamp, [m.x, m.y, m.z]),
