@@ -51,24 +51,19 @@ enum Meaning {
 
 impl Command {
     fn from_long(frame: &Frame) -> Self {
-        let degrees = |at: usize| Some(f64::from(frame.float(at))).filter(|d| d.is_finite());
-        Self {
-            ticket: Ticket {
-                command: frame.word(28),
-                system: frame.system,
-                component: frame.component,
-            },
-            p: [frame.float(0), frame.float(4), frame.float(8), frame.float(12)],
-            altitude: frame.float(24),
-            latitude: degrees(16),
-            longitude: degrees(20),
-            is_relative: false,
-        }
+        let degrees = |at| Some(f64::from(frame.float(at))).filter(|d| d.is_finite());
+        Self::read(frame, degrees, false)
     }
 
     fn from_int(frame: &Frame) -> Self {
         let degrees =
-            |at: usize| Some(frame.int(at)).filter(|&d| d != i32::MAX).map(|d| f64::from(d) * 1e-7);
+            |at| Some(frame.int(at)).filter(|&d| d != i32::MAX).map(|d| f64::from(d) * 1e-7);
+        // MAV_FRAME_GLOBAL_RELATIVE_ALT and ..._INT.
+        Self::read(frame, degrees, matches!(frame.byte(32), 3 | 6))
+    }
+
+    /// Both messages have the same layout but for the type of parameters 5 and 6.
+    fn read(frame: &Frame, degrees: impl Fn(usize) -> Option<f64>, is_relative: bool) -> Self {
         Self {
             ticket: Ticket {
                 command: frame.word(28),
@@ -79,8 +74,7 @@ impl Command {
             altitude: frame.float(24),
             latitude: degrees(16),
             longitude: degrees(20),
-            // MAV_FRAME_GLOBAL_RELATIVE_ALT and ..._INT.
-            is_relative: matches!(frame.byte(32), 3 | 6),
+            is_relative,
         }
     }
 

@@ -33,6 +33,12 @@ pub type Sink<'a> = &'a mut dyn FnMut(&[u8]);
 /// Component id of the autopilot.
 pub const COMPONENT_AUTOPILOT: u8 = 1;
 
+/// Whether the vehicle presents itself as a PX4 (`MAV_AUTOPILOT_PX4`), with PX4's way to send integers.
+fn speaks_px4(params: &Params) -> bool {
+    const MAV_AUTOPILOT_PX4: u8 = 12;
+    params.autopilot_type as u8 == MAV_AUTOPILOT_PX4
+}
+
 /// What was heard, and what was dropped.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct LinkCounters {

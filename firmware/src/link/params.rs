@@ -1,6 +1,6 @@
 //! Parameter service: list, read, set. The table is `param::META`.
 
-use super::{Link, Sink};
+use super::{Link, Sink, speaks_px4};
 use crate::param::{Kind, META, Params};
 use crate::signal::{Action, Request, Ticket};
 use crate::time::Micros;
@@ -9,8 +9,6 @@ use mavlink::types::CharArray;
 
 /// A running list sends one parameter in so many milliseconds.
 const LIST_PERIOD_MS: u64 = 4;
-/// `MAV_AUTOPILOT_PX4`.
-const AUTOPILOT_PX4: u8 = 12;
 
 /// A name as sent: sixteen bytes, closed by a zero only when it is shorter.
 pub fn name_bytes(id: &[u8; 16]) -> &[u8] {
@@ -49,11 +47,8 @@ impl Link {
             MavParamType::MAV_PARAM_TYPE_REAL32 | MavParamType::MAV_PARAM_TYPE_REAL64
         );
         // PX4's convention: integers travel in the float's bytes, if the client says that it sends one.
-        let value = if !is_real && params.autopilot_type as u8 == AUTOPILOT_PX4 {
-            sent.to_bits() as i32 as f32
-        } else {
-            sent
-        };
+        let value =
+            if !is_real && speaks_px4(params) { sent.to_bits() as i32 as f32 } else { sent };
         let mut trial = *params;
         if trial.set(index, value).is_err() {
             // The echo of the old value tells the client that the new one was refused.
@@ -85,7 +80,7 @@ impl Link {
         };
         let (param_value, param_type) = match meta.kind {
             Kind::Real => (value, MavParamType::MAV_PARAM_TYPE_REAL32),
-            Kind::Int if params.autopilot_type as u8 == AUTOPILOT_PX4 => {
+            Kind::Int if speaks_px4(params) => {
                 (f32::from_bits(value as i32 as u32), MavParamType::MAV_PARAM_TYPE_INT32)
             }
             Kind::Int => (value, MavParamType::MAV_PARAM_TYPE_INT32),

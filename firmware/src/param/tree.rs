@@ -226,6 +226,18 @@ params! {
         accel_id: "CAL_ACC0_ID" Int [""] = 42688.0 in 1.0 ..= 16777215.0;
         /// Stick input: 1 = joystick over MAVLink only.
         rc_mode: "COM_RC_IN_MODE" Int [""] = 1.0 in 1.0 ..= 1.0;
+        /// Mode switch position 1; ground stations ask for it, and there is no mode switch.
+        flight_mode_1: "COM_FLTMODE1" Int [""] = -1.0 in -1.0 ..= -1.0;
+        /// Mode switch position 2; ground stations ask for it, and there is no mode switch.
+        flight_mode_2: "COM_FLTMODE2" Int [""] = -1.0 in -1.0 ..= -1.0;
+        /// Mode switch position 3; ground stations ask for it, and there is no mode switch.
+        flight_mode_3: "COM_FLTMODE3" Int [""] = -1.0 in -1.0 ..= -1.0;
+        /// Mode switch position 4; ground stations ask for it, and there is no mode switch.
+        flight_mode_4: "COM_FLTMODE4" Int [""] = -1.0 in -1.0 ..= -1.0;
+        /// Mode switch position 5; ground stations ask for it, and there is no mode switch.
+        flight_mode_5: "COM_FLTMODE5" Int [""] = -1.0 in -1.0 ..= -1.0;
+        /// Mode switch position 6; ground stations ask for it, and there is no mode switch.
+        flight_mode_6: "COM_FLTMODE6" Int [""] = -1.0 in -1.0 ..= -1.0;
         /// Latitude of the anchor, for the synthetic global position.
         home_latitude: "HOME_LAT" Real ["deg"] = 47.397742 in -90.0 ..= 90.0;
         /// Longitude of the anchor.

@@ -10,6 +10,9 @@ use crate::supervisor::{ArmingCheck, FAILSAFES, FailsafeAction, GroundState, Mod
 use crate::time::Micros;
 use crate::trajectory::Plan;
 
+/// Set-points closer than this in every coordinate are the same, m.
+const SAME_PLACE: f64 = 0.01;
+
 /// Refused, and why.
 type Refusal = (Outcome, &'static str);
 
@@ -247,6 +250,13 @@ impl<S: Scalar> Vehicle<S> {
             azimuth: S::from_f32(to.azimuth),
             length: S::from_f32(to.length),
         };
+        // Programs repeat their set-point many times a second: only a new place is a new move.
+        let is_new = (to.to_world().0 - self.state.plan.end().0)
+            .iter()
+            .any(|d| d.abs() > S::lit(SAME_PLACE));
+        if !is_new {
+            return Ok(());
+        }
         let from = self.state.reference.map_or(self.state.plan.end(), |r| r.position);
         self.state.plan = self.config.planner.go(from, to);
         Ok(())

@@ -1,0 +1,214 @@
+//! Where the vehicle is and how well it knows.
+
+use super::View;
+use crate::link::{Link, Sink, global};
+use crate::param::Params;
+use crate::scalar::Scalar;
+use crate::signal::ImuHealth;
+use crate::vehicle::StepOutput;
+use mavlink::dialects::common as mav;
+use mavlink::types::CharArray;
+
+/// Standard gravity by which MAVLink's tension in kg is meant, m/s².
+const KG_TO_N: f32 = 9.806_65;
+
+/// Heading in hundredths of a degree, 0..36000.
+fn heading_cdeg(yaw: f32) -> u16 {
+    let degrees = yaw.to_degrees();
+    ((if degrees < 0.0 { degrees + 360.0 } else { degrees }) * 100.0) as u16
+}
+
+impl Link {
+    pub(super) fn send_global_position(&mut self, v: &View, params: &Params, sink: Sink) {
+        let (Some([n, e, d]), Some([vn, ve, vd])) = (v.position, v.velocity) else {
+            return;
+        };
+        let (lat, lon) = global::to_lat_lon(params, n, e);
+        let [_, _, yaw] = v.euler;
+        let m = mav::GLOBAL_POSITION_INT_DATA {
+            time_boot_ms: v.boot_ms,
+            lat,
+            lon,
+            alt: ((params.home_altitude - d) * 1000.0) as i32,
+            relative_alt: (-d * 1000.0) as i32,
+            vx: (vn * 100.0) as i16,
+            vy: (ve * 100.0) as i16,
+            vz: (vd * 100.0) as i16,
+            hdg: heading_cdeg(yaw),
+        };
+        self.send(&m, sink);
+    }
+
+    pub(super) fn send_hud<S: Scalar>(
+        &mut self,
+        v: &View,
+        out: &StepOutput<S>,
+        params: &Params,
+        sink: Sink,
+    ) {
+        let [vn, ve, _] = v.velocity.unwrap_or_default();
+        let [_, _, yaw] = v.euler;
+        let mean: f32 = out.actuation.throttle.iter().map(|t| t.to_f32()).sum::<f32>() * 0.25;
+        let m = mav::VFR_HUD_DATA {
+            airspeed: 0.0,
+            groundspeed: libm::hypotf(vn, ve),
+            alt: params.home_altitude + v.height,
+            climb: v.climb,
+            heading: (heading_cdeg(yaw) / 100) as i16,
+            throttle: (mean * 100.0) as u16,
+        };
+        self.send(&m, sink);
+    }
+
+    pub(super) fn send_position_target<S: Scalar>(
+        &mut self,
+        v: &View,
+        out: &StepOutput<S>,
+        sink: Sink,
+    ) {
+        let Some(r) = &out.reference else { return };
+        let m = mav::POSITION_TARGET_LOCAL_NED_DATA {
+            time_boot_ms: v.boot_ms,
+            x: r.position.0.x.to_f32(),
+            y: r.position.0.y.to_f32(),
+            z: r.position.0.z.to_f32(),
+            vx: r.velocity.0.x.to_f32(),
+            vy: r.velocity.0.y.to_f32(),
+            vz: r.velocity.0.z.to_f32(),
+            yaw: r.yaw.to_f32(),
+            coordinate_frame: mav::MavFrame::MAV_FRAME_LOCAL_NED,
+            ..Default::default()
+        };
+        self.send(&m, sink);
+    }
+
+    /// Position in LOCAL_NED around the anchor, velocity in body axes.
+    pub(super) fn send_odometry<S: Scalar>(&mut self, v: &View, out: &StepOutput<S>, sink: Sink) {
+        let (Some([x, y, z]), Some(velocity)) = (v.position, &out.estimate.velocity) else {
+            return;
+        };
+        let body = out.estimate.attitude.to_body(*velocity).0;
+        let ([p, q, r], sd) = (v.rate, &out.estimate.position_sd);
+        let variance = |s: S| s.to_f32() * s.to_f32();
+        // Upper triangle of x y z roll pitch yaw, row by row; NaN first means "unknown" in MAVLink.
+        let mut pose_covariance = [0.0; 21];
+        for (at, value) in [(0, sd.x), (6, sd.y), (11, sd.z)] {
+            if let Some(slot) = pose_covariance.get_mut(at) {
+                *slot = variance(value);
+            }
+        }
+        let mut velocity_covariance = [0.0; 21];
+        if let Some(first) = velocity_covariance.first_mut() {
+            *first = f32::NAN;
+        }
+        let m = mav::ODOMETRY_DATA {
+            time_usec: v.usec,
+            x,
+            y,
+            z,
+            q: v.quaternion,
+            vx: body.x.to_f32(),
+            vy: body.y.to_f32(),
+            vz: body.z.to_f32(),
+            rollspeed: p,
+            pitchspeed: q,
+            yawspeed: r,
+            pose_covariance,
+            velocity_covariance,
+            frame_id: mav::MavFrame::MAV_FRAME_LOCAL_NED,
+            child_frame_id: mav::MavFrame::MAV_FRAME_BODY_FRD,
+        };
+        self.send(&m, sink);
+    }
+
+    /// Elevation and azimuth in degrees, length in m, tension in N.
+    pub(super) fn send_tether<S: Scalar>(&mut self, out: &StepOutput<S>, sink: Sink) {
+        let Some(tether) = &out.estimate.tether else {
+            return;
+        };
+        let values = [
+            ("tet_elev", tether.elevation.to_f32().to_degrees()),
+            ("tet_azim", tether.azimuth.to_f32().to_degrees()),
+            ("tet_len", tether.length.to_f32()),
+            ("tet_tens", tether.tension.to_f32()),
+        ];
+        for (name, value) in values {
+            let m = mav::NAMED_VALUE_FLOAT_DATA {
+                time_boot_ms: out.now.boot_ms(),
+                value,
+                name: CharArray::from(name),
+            };
+            self.send(&m, sink);
+        }
+    }
+
+    /// MAVLink gives the tension in kg.
+    pub(super) fn send_winch<S: Scalar>(&mut self, out: &StepOutput<S>, sink: Sink) {
+        let Some(tether) = &out.estimate.tether else {
+            return;
+        };
+        let status = if out.sensors.tether_is_fresh {
+            mav::MavWinchStatusFlag::MAV_WINCH_STATUS_HEALTHY
+        } else {
+            mav::MavWinchStatusFlag::empty()
+        };
+        let m = mav::WINCH_STATUS_DATA {
+            time_usec: out.now.0,
+            line_length: tether.length.to_f32(),
+            speed: f32::NAN,
+            tension: tether.tension.to_f32() / KG_TO_N,
+            voltage: f32::NAN,
+            current: f32::NAN,
+            status,
+            temperature: i16::MAX,
+        };
+        self.send(&m, sink);
+    }
+
+    pub(super) fn send_home(&mut self, params: &Params, sink: Sink) {
+        let (latitude, longitude) = global::to_lat_lon(params, 0.0, 0.0);
+        let m = mav::HOME_POSITION_DATA {
+            latitude,
+            longitude,
+            altitude: (params.home_altitude * 1000.0) as i32,
+            q: [1.0, 0.0, 0.0, 0.0],
+            ..Default::default()
+        };
+        self.send(&m, sink);
+    }
+
+    pub(super) fn send_estimator_status<S: Scalar>(
+        &mut self,
+        v: &View,
+        out: &StepOutput<S>,
+        params: &Params,
+        sink: Sink,
+    ) {
+        use mav::EstimatorStatusFlags as F;
+        let e = &out.estimate;
+        let mut flags = F::empty();
+        let mut set = |bits: F, holds: bool| {
+            if holds {
+                flags |= bits;
+            }
+        };
+        set(F::ESTIMATOR_ATTITUDE, e.is_levelled);
+        set(F::ESTIMATOR_POS_VERT_ABS | F::ESTIMATOR_VELOCITY_VERT, out.sensors.altitude_is_fresh);
+        set(F::ESTIMATOR_POS_VERT_AGL, out.sensors.altitude_is_ranged);
+        set(F::ESTIMATOR_POS_HORIZ_REL | F::ESTIMATOR_VELOCITY_HORIZ, e.position.is_some());
+        set(F::ESTIMATOR_ACCEL_ERROR, out.sensors.imu_health != ImuHealth::Good);
+        // Our ratios are squared and fail at `EST_DIV_RATIO`; MAVLink's fail at 1.
+        let ratio = |x: S| libm::sqrtf((x.to_f32() / params.divergence_ratio).max(0.0));
+        let m = mav::ESTIMATOR_STATUS_DATA {
+            time_usec: v.usec,
+            vel_ratio: ratio(e.health.accel),
+            pos_horiz_ratio: ratio(e.health.length),
+            pos_vert_ratio: ratio(e.health.altitude),
+            pos_horiz_accuracy: libm::hypotf(e.position_sd.x.to_f32(), e.position_sd.y.to_f32()),
+            pos_vert_accuracy: e.position_sd.z.to_f32(),
+            flags,
+            ..Default::default()
+        };
+        self.send(&m, sink);
+    }
+}

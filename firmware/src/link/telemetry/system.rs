@@ -1,0 +1,186 @@
+//! What the vehicle is and how it does.
+
+use super::standard_mode;
+use crate::link::{Link, Sink, speaks_px4};
+use crate::param::Params;
+use crate::scalar::Scalar;
+use crate::signal::{Event, ImuHealth};
+use crate::supervisor::{MODES, ModeRule};
+use crate::vehicle::StepOutput;
+use mavlink::dialects::common as mav;
+use mavlink::types::CharArray;
+
+/// PX4 release whose MAVLink behaviour is followed, as AUTOPILOT_VERSION encodes it (type DEV).
+/// QGroundControl refuses to work with less than 1.4.1.
+const PX4_INTERFACE_VERSION: u32 = (1 << 24) | (15 << 16);
+
+fn base_mode<S: Scalar>(out: &StepOutput<S>) -> mav::MavModeFlag {
+    use mav::MavModeFlag as F;
+    let mut flags = F::MAV_MODE_FLAG_CUSTOM_MODE_ENABLED | F::MAV_MODE_FLAG_STABILIZE_ENABLED;
+    let manual = out.mode.rule().needs.sticks;
+    flags |= if manual {
+        F::MAV_MODE_FLAG_MANUAL_INPUT_ENABLED
+    } else {
+        F::MAV_MODE_FLAG_AUTO_ENABLED | F::MAV_MODE_FLAG_GUIDED_ENABLED
+    };
+    if out.is_armed {
+        flags |= F::MAV_MODE_FLAG_SAFETY_ARMED;
+    }
+    flags
+}
+
+impl Link {
+    pub(super) fn send_heartbeat<S: Scalar>(
+        &mut self,
+        out: &StepOutput<S>,
+        params: &Params,
+        sink: Sink,
+    ) {
+        let autopilot = if speaks_px4(params) {
+            mav::MavAutopilot::MAV_AUTOPILOT_PX4
+        } else {
+            mav::MavAutopilot::MAV_AUTOPILOT_GENERIC
+        };
+        let system_status = match (out.failures != 0, out.is_armed, out.estimate.is_levelled) {
+            (true, true, _) => mav::MavState::MAV_STATE_CRITICAL,
+            (false, true, _) => mav::MavState::MAV_STATE_ACTIVE,
+            (_, false, true) => mav::MavState::MAV_STATE_STANDBY,
+            (_, false, false) => mav::MavState::MAV_STATE_CALIBRATING,
+        };
+        let m = mav::HEARTBEAT_DATA {
+            custom_mode: out.mode.rule().custom_mode,
+            mavtype: mav::MavType::MAV_TYPE_QUADROTOR,
+            autopilot,
+            base_mode: base_mode(out),
+            system_status,
+            mavlink_version: 3,
+        };
+        self.send(&m, sink);
+    }
+
+    pub(super) fn send_sys_status<S: Scalar>(&mut self, out: &StepOutput<S>, sink: Sink) {
+        use mav::MavSysStatusSensor as F;
+        let inertial = F::MAV_SYS_STATUS_SENSOR_3D_GYRO | F::MAV_SYS_STATUS_SENSOR_3D_ACCEL;
+        let altitude =
+            F::MAV_SYS_STATUS_SENSOR_ABSOLUTE_PRESSURE | F::MAV_SYS_STATUS_SENSOR_LASER_POSITION;
+        // The tether gives the local position; of all bits this one means "a position without GPS".
+        let position = F::MAV_SYS_STATUS_SENSOR_VISION_POSITION;
+        let always = F::MAV_SYS_STATUS_GEOFENCE | F::MAV_SYS_STATUS_SENSOR_MOTOR_OUTPUTS;
+        let attitude = F::MAV_SYS_STATUS_AHRS;
+        let battery_bit = F::MAV_SYS_STATUS_SENSOR_BATTERY;
+        let prearm = F::MAV_SYS_STATUS_PREARM_CHECK;
+        let present = inertial | altitude | position | always | attitude | battery_bit | prearm;
+        let mut health = always;
+        let mut set = |bits: F, holds: bool| {
+            if holds {
+                health |= bits;
+            }
+        };
+        set(inertial, out.sensors.imu_health == ImuHealth::Good);
+        set(altitude, out.sensors.altitude_is_fresh);
+        set(position, out.estimate.position.is_some());
+        set(attitude, out.estimate.is_levelled);
+        set(battery_bit, out.sensors.battery.is_some());
+        set(prearm, out.is_armable || out.is_armed);
+        let battery = out.sensors.battery.unwrap_or_default();
+        let m = mav::SYS_STATUS_DATA {
+            onboard_control_sensors_present: present,
+            onboard_control_sensors_enabled: present,
+            onboard_control_sensors_health: health,
+            load: 0,
+            voltage_battery: (battery.voltage.to_f32() * 1000.0) as u16,
+            current_battery: (battery.current.to_f32() * 100.0) as i16,
+            battery_remaining: (battery.remaining.to_f32() * 100.0) as i8,
+            drop_rate_comm: 0,
+            errors_comm: self.counters.bad_frames.min(u32::from(u16::MAX)) as u16,
+            ..Default::default()
+        };
+        self.send(&m, sink);
+    }
+
+    pub(super) fn send_battery<S: Scalar>(
+        &mut self,
+        out: &StepOutput<S>,
+        params: &Params,
+        sink: Sink,
+    ) {
+        let Some(battery) = out.sensors.battery else {
+            return;
+        };
+        let cells = (params.battery_cells as usize).clamp(1, 10);
+        let per_cell = (battery.voltage.to_f32() * 1000.0 / cells as f32) as u16;
+        let mut voltages = [u16::MAX; 10];
+        for cell in voltages.iter_mut().take(cells) {
+            *cell = per_cell;
+        }
+        let m = mav::BATTERY_STATUS_DATA {
+            current_consumed: (battery.drawn.to_f32() / 3.6) as i32,
+            energy_consumed: -1,
+            temperature: i16::MAX,
+            voltages,
+            current_battery: (battery.current.to_f32() * 100.0) as i16,
+            id: 0,
+            battery_function: mav::MavBatteryFunction::MAV_BATTERY_FUNCTION_ALL,
+            mavtype: mav::MavBatteryType::MAV_BATTERY_TYPE_LIPO,
+            battery_remaining: (battery.remaining.to_f32() * 100.0) as i8,
+        };
+        self.send(&m, sink);
+    }
+
+    pub(super) fn send_version(&mut self, sink: Sink) {
+        use mav::MavProtocolCapability as C;
+        let capabilities = C::MAV_PROTOCOL_CAPABILITY_PARAM_FLOAT
+            | C::MAV_PROTOCOL_CAPABILITY_PARAM_ENCODE_BYTEWISE
+            | C::MAV_PROTOCOL_CAPABILITY_COMMAND_INT
+            | C::MAV_PROTOCOL_CAPABILITY_SET_POSITION_TARGET_LOCAL_NED
+            | C::MAV_PROTOCOL_CAPABILITY_MAVLINK2;
+        let m = mav::AUTOPILOT_VERSION_DATA {
+            capabilities,
+            flight_sw_version: PX4_INTERFACE_VERSION,
+            middleware_sw_version: PX4_INTERFACE_VERSION,
+            flight_custom_version: *b"tautline",
+            ..Default::default()
+        };
+        self.send(&m, sink);
+    }
+
+    /// Index 0 asks for all; after an accepted request the last index is always sent.
+    pub(super) fn send_available_modes(&mut self, index: u16, sink: Sink) {
+        let mut count = 0_u8;
+        for rule in &MODES {
+            count += 1;
+            if index == 0 || index == u16::from(count) {
+                self.send_available_mode(rule, count, sink);
+            }
+        }
+    }
+
+    pub(super) fn send_available_mode(&mut self, rule: &ModeRule, mode_index: u8, sink: Sink) {
+        let properties = if rule.needs.sticks {
+            mav::MavModeProperty::empty()
+        } else {
+            mav::MavModeProperty::MAV_MODE_PROPERTY_AUTO_MODE
+        };
+        let m = mav::AVAILABLE_MODES_DATA {
+            custom_mode: rule.custom_mode,
+            properties,
+            number_modes: MODES.len() as u8,
+            mode_index,
+            standard_mode: standard_mode(rule.mode),
+            mode_name: CharArray::from(rule.name),
+        };
+        self.send(&m, sink);
+    }
+
+    pub(in crate::link) fn send_text(&mut self, event: &Event, sink: Sink) {
+        use crate::signal::Severity;
+        use mav::MavSeverity as V;
+        let severity = match event.severity {
+            Severity::Critical => V::MAV_SEVERITY_CRITICAL,
+            Severity::Error => V::MAV_SEVERITY_ERROR,
+            Severity::Warning => V::MAV_SEVERITY_WARNING,
+            Severity::Info => V::MAV_SEVERITY_INFO,
+        };
+        self.send(&mav::STATUSTEXT_DATA { severity, text: CharArray::from(event.text) }, sink);
+    }
+}

@@ -1,0 +1,143 @@
+//! What is simulated: a TOML file, checked whole before the first step.
+//!
+//! Every key has a default (a 1.5 kg, 500 mm quadrotor on 4S and a constant-tension winch); unknown
+//! keys are errors. Errors name file, key and allowed range.
+
+mod build;
+mod check;
+mod sections;
+
+pub use sections::{
+    BatterySection, FaultKind, FaultSection, SensorSection, Step, TetherKind, TetherSection,
+    VehicleSection, WindSection,
+};
+
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::path::Path;
+use tautline_firmware::param::{META, ParamError, Params};
+
+/// The whole file.
+#[derive(Clone, Debug, Default, Deserialize, Serialize, PartialEq)]
+#[serde(default, deny_unknown_fields)]
+pub struct Scenario {
+    /// One line for the start-up text.
+    pub title: String,
+    /// The vehicle.
+    pub vehicle: VehicleSection,
+    /// The tether and its ground end.
+    pub tether: TetherSection,
+    /// Wind.
+    pub wind: WindSection,
+    /// Sensors.
+    pub sensors: SensorSection,
+    /// Battery.
+    pub battery: BatterySection,
+    /// Parameters of the firmware.
+    pub params: BTreeMap<String, f32>,
+    /// Faults, at their times.
+    pub fault: Vec<FaultSection>,
+    /// What the built-in pilot flies; empty: nobody flies.
+    pub mission: Vec<Step>,
+}
+
+/// What is wrong with a scenario; one line, naming file and key.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ScenarioError(pub String);
+
+impl std::fmt::Display for ScenarioError {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+impl std::error::Error for ScenarioError {}
+
+impl Scenario {
+    /// Reads and checks a file.
+    ///
+    /// # Errors
+    /// [`ScenarioError`].
+    pub fn load(path: &Path) -> Result<Self, ScenarioError> {
+        let name = path.display();
+        let text =
+            std::fs::read_to_string(path).map_err(|e| ScenarioError(format!("{name}: {e}")))?;
+        Self::parse(&text, &name.to_string())
+    }
+
+    /// Checks a text; `name` stands in the errors.
+    ///
+    /// # Errors
+    /// [`ScenarioError`].
+    pub fn parse(text: &str, name: &str) -> Result<Self, ScenarioError> {
+        let scenario: Self = toml::from_str(text).map_err(|e| {
+            let line = e
+                .span()
+                .map_or(0, |span| text.get(..span.start).unwrap_or("").lines().count().max(1));
+            let message = e.message().replace('\n', " ");
+            ScenarioError(format!("{name}:{line}: {message}"))
+        })?;
+        scenario.check().map_err(|e| ScenarioError(format!("{name}: {e}")))?;
+        Ok(scenario)
+    }
+}
+
+/// Sets a parameter by name.
+///
+/// # Errors
+/// One line naming the parameter and what it may be.
+pub fn set_param(params: &mut Params, name: &str, value: f32) -> Result<(), String> {
+    let index = Params::index_of(name.as_bytes()).ok_or_else(|| {
+        let start = name.split('_').next().unwrap_or(name);
+        let near: Vec<_> =
+            META.iter().map(|m| m.name).filter(|n| n.starts_with(start)).take(5).collect();
+        let hint = if near.is_empty() {
+            String::new()
+        } else {
+            format!("; there are {}", near.join(", "))
+        };
+        format!("no parameter {name}{hint}")
+    })?;
+    params.set(index, value).map_err(|e| match e {
+        ParamError::OutOfRange { min, max } => {
+            format!("{name} = {value} is outside {min} to {max}")
+        }
+        ParamError::NotANumber => format!("{name} = {value} is not a whole or finite number"),
+        ParamError::Unknown => format!("no parameter {name}"),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn errors_name_file_key_and_range() {
+        let cases = [
+            ("[vehicle]\nmass = -1.0", "s.toml: vehicle.mass = -1 is outside 0.1 to 50"),
+            ("[wind]\nspeed = nan", "s.toml: wind.speed = NaN is outside 0 to 25"),
+            ("[vehicle]\nmas = 1.0", "s.toml:2: unknown field `mas`"),
+            (
+                "[params]\nRATE_Q = 1.0",
+                "s.toml: params.RATE_Q: no parameter RATE_Q; there are RATE_P",
+            ),
+            (
+                "[params]\nVEH_MASS = 99.0",
+                "s.toml: params.VEH_MASS: VEH_MASS = 99 is outside 0.1 to 50",
+            ),
+            ("[[fault]]\nkind = \"imu_frozen\"\nat = -2.0", "s.toml: fault[0].at = -2 is outside"),
+            ("[[mission]]\ndo = \"loop\"", "unknown variant `loop`"),
+            ("title = 3", "s.toml:1: invalid type"),
+        ];
+        for (text, want) in cases {
+            let got = Scenario::parse(text, "s.toml").unwrap_err().0;
+            assert!(got.contains(want), "{got:?} should contain {want:?}");
+            assert!(!got.contains('\n'));
+        }
+    }
+
+    #[test]
+    fn an_empty_file_is_the_default_vehicle() {
+        assert_eq!(Scenario::parse("", "s.toml").unwrap(), Scenario::default());
+        assert!(Scenario::default().params().is_ok());
+    }
+}
