@@ -1,4 +1,4 @@
-//! Where is a setting declared? Once, in [`tree`].
+//! Where is a setting declared? Once, in `tree.rs`.
 //!
 //! The table there yields the struct [`Params`], its default, the checked [`Params::set`] and
 //! [`META`], from which MAVLink's parameter service, the parameter files and `docs/parameters.md`
@@ -87,7 +87,7 @@ const fn bytes_fit(name: &str) -> bool {
     !name.is_empty() && name.len() <= 16
 }
 
-/// Declares all parameters; see [`tree`].
+/// Declares all parameters; see `tree.rs`.
 macro_rules! params {
     ($( $group:literal { $( $(#[doc = $doc:literal])+ $field:ident : $name:literal $kind:ident [$unit:literal] = $default:literal in $min:literal ..= $max:literal ; )+ } )+) => {
         /// Every setting of the vehicle, in SI units, as stored and sent.
