@@ -7,6 +7,8 @@ use std::net::{Ipv4Addr, SocketAddr, UdpSocket};
 /// Most peers per socket; the one that spoke least recently makes room.
 const PEERS: usize = 8;
 const LONGEST: usize = 2_048;
+/// Datagrams taken per look and socket: a flood may not stop the world.
+const AT_ONCE: usize = 256;
 
 /// One socket and those it talks to, most recent first; the last is where it calls out to.
 #[derive(Debug)]
@@ -53,15 +55,14 @@ impl Udp {
         let mut buffer = [0; LONGEST];
         for port in &mut self.ports {
             // An unreachable peer shows up here as an error once; it does not end the reading.
-            let mut errors = 0;
-            while errors < PEERS {
+            for _ in 0..AT_ONCE {
                 match port.socket.recv_from(&mut buffer) {
                     Ok((length, from)) => {
                         port.remember(from);
                         each(buffer.get(..length).unwrap_or(&[]));
                     }
                     Err(e) if e.kind() == io::ErrorKind::WouldBlock => break,
-                    Err(_) => errors += 1,
+                    Err(_) => {}
                 }
             }
         }

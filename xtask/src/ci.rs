@@ -33,7 +33,22 @@ pub fn everything() -> Outcome {
     run_with("cargo", &["doc", "--workspace", "--no-deps", "--locked"], &DENY_WARNINGS)?;
     fly_clients(&python)?;
     campaigns()?;
-    run("cargo", &["test", "--workspace", "--locked"])
+    run("cargo", &["test", "--workspace", "--locked", "--doc"])?;
+    let tested = [
+        "-p",
+        "tautline-firmware",
+        "-p",
+        "tautline-hal-shim",
+        "-p",
+        "tautline-sitl",
+        "-p",
+        "tautline-tests",
+    ];
+    run(
+        "cargo",
+        &[&["test", "--locked", "--all-features", "--lib", "--bins", "--tests"], &tested[..]]
+            .concat(),
+    )
 }
 
 /// The pymavlink flights alone.

@@ -49,13 +49,25 @@ enum Command {
     /// Draw a log.
     Plot(plot::Options),
     /// Print all parameters in QGroundControl's file format.
+    #[command(after_help = "Example:\n  cargo sitl params > mine.params")]
     Params,
 }
 
 /// Runs the command line; bad options end with code 2.
 #[must_use]
 pub fn run() -> ExitCode {
-    let cli = Cli::parse();
+    let cli = match Cli::try_parse() {
+        Ok(cli) => cli,
+        Err(e) if !e.use_stderr() => {
+            let _ = e.print();
+            return ExitCode::SUCCESS;
+        }
+        // One line that names what is wrong; `--help` has the rest.
+        Err(e) => {
+            eprintln!("{}", e.to_string().lines().next().unwrap_or("error: bad arguments"));
+            return ExitCode::from(2);
+        }
+    };
     let result = match cli.command {
         None => fly::run(&cli.fly),
         Some(Command::Fly(options)) => fly::run(&options),
