@@ -67,8 +67,6 @@ struct State<S: Scalar> {
     estimator: TetherEstimatorState<S>,
     estimate: Estimate<S>,
     specific_force: S,
-    /// As of the last step.
-    sensors: Option<Sensors<S>>,
 
     mode: Mode,
     armed_at: Option<Micros>,
@@ -122,7 +120,6 @@ impl<S: Scalar> Vehicle<S> {
             estimator,
             estimate,
             specific_force: S::zero(),
-            sensors: None,
             mode: Mode::default(),
             armed_at: None,
             ground: GroundState::OnGround,
@@ -172,13 +169,12 @@ impl<S: Scalar> Vehicle<S> {
     pub fn step(&mut self, input: &StepInput) -> StepOutput<S> {
         let mut events = EventQueue::default();
         self.hear(input);
-        let reply: Option<Reply> =
-            input.request.map(|request| self.handle(&request, input.now, &mut events));
-
         let cos_tilt = self.state.estimate.attitude.cos_tilt();
         let sensors =
             self.config.sense.step(&mut self.state.sense, input.now, &input.sensors, cos_tilt);
         let has_ticked = self.observe(&sensors, &mut events);
+        let reply: Option<Reply> =
+            input.request.map(|request| self.handle(&request, &sensors, input.now, &mut events));
         self.supervise(&sensors, input.now, &mut events);
         if has_ticked {
             self.fly(&sensors, input.now, &mut events);

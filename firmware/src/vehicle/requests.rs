@@ -5,7 +5,7 @@ use super::config::Config;
 use crate::frames::{V3, World};
 use crate::param::{META, Params};
 use crate::scalar::Scalar;
-use crate::signal::{Action, Event, EventQueue, Outcome, Reply, Request, SphericalPoint};
+use crate::signal::{Action, Event, EventQueue, Outcome, Reply, Request, Sensors, SphericalPoint};
 use crate::supervisor::{ArmingCheck, FAILSAFES, FailsafeAction, GroundState, Mode};
 use crate::time::Micros;
 use crate::trajectory::Plan;
@@ -27,12 +27,13 @@ impl<S: Scalar> Vehicle<S> {
     pub(super) fn handle(
         &mut self,
         request: &Request,
+        sensors: &Sensors<S>,
         now: Micros,
         events: &mut EventQueue,
     ) -> Reply {
         let mut parameter = None;
         let result = match request.action {
-            Action::Arm { force } => self.arm(force, now, events),
+            Action::Arm { force } => self.arm(force, sensors, now, events),
             Action::Disarm { force } => self.disarm_on_request(force, events),
             Action::SetMode(mode) => self.request_mode(mode, now),
             Action::Takeoff { altitude } => self.request_takeoff(altitude),
@@ -62,11 +63,17 @@ impl<S: Scalar> Vehicle<S> {
         self.state.armed_at.is_some() && self.state.ground != GroundState::OnGround
     }
 
-    fn arm(&mut self, force: bool, now: Micros, events: &mut EventQueue) -> Result<(), Refusal> {
+    fn arm(
+        &mut self,
+        force: bool,
+        sensors: &Sensors<S>,
+        now: Micros,
+        events: &mut EventQueue,
+    ) -> Result<(), Refusal> {
         if self.state.armed_at.is_some() {
             return Ok(());
         }
-        if let Some(check) = ArmingCheck::first_failure(&self.last_arming_facts(now), force) {
+        if let Some(check) = ArmingCheck::first_failure(&self.arming_facts(sensors, now), force) {
             return Err(rejected(check.text));
         }
         let state = &mut self.state;

@@ -22,7 +22,7 @@ impl<S: Scalar> Vehicle<S> {
         self.state.link_at.is_some_and(|at| now.since(at) < VOICE_TIMEOUT_US)
     }
 
-    fn arming_facts(&self, sensors: &Sensors<S>, now: Micros) -> ArmingFacts {
+    pub(super) fn arming_facts(&self, sensors: &Sensors<S>, now: Micros) -> ArmingFacts {
         let (state, p) = (&self.state, &self.params);
         let throttle_is_open = state.mode.rule().needs.sticks
             && state
@@ -47,31 +47,11 @@ impl<S: Scalar> Vehicle<S> {
         sensors.tether_is_fresh || self.config.link == crate::control::Link::FixedLength
     }
 
-    /// With the sense stage's report of the last step.
-    pub(super) fn last_arming_facts(&self, now: Micros) -> ArmingFacts {
-        self.state.sensors.map_or(
-            ArmingFacts {
-                imu: crate::signal::ImuHealth::Missing,
-                is_levelled: false,
-                cos_tilt: 0.0,
-                altitude_is_fresh: false,
-                tether_is_known: false,
-                cell: None,
-                cell_low: 0.0,
-                link_is_up: false,
-                throttle_is_open: true,
-                hover_share: 1.0,
-            },
-            |sensors| self.arming_facts(&sensors, now),
-        )
-    }
-
     pub(super) fn is_armable(&self, sensors: &Sensors<S>, now: Micros) -> bool {
         ArmingCheck::first_failure(&self.arming_facts(sensors, now), false).is_none()
     }
 
     pub(super) fn supervise(&mut self, sensors: &Sensors<S>, now: Micros, events: &mut EventQueue) {
-        self.state.sensors = Some(*sensors);
         let facts = FailsafeFacts {
             mode: self.state.mode,
             cos_tilt: self.state.estimate.attitude.cos_tilt().to_f32(),

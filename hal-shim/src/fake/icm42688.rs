@@ -33,6 +33,8 @@ pub struct FakeIcm42688 {
     gyro: [i16; 3],
     accel: [i16; 3],
     temperature: i16,
+    /// Temperature, accelerometer and gyro as their registers hold them.
+    data: [u8; 14],
     /// Data registers keep their values: a hung part.
     pub is_hung: bool,
     /// The part no longer drives the bus: all ones.
@@ -52,6 +54,7 @@ impl FakeIcm42688 {
             gyro: [INVALID; 3],
             accel: [INVALID; 3],
             temperature: 0,
+            data: [0; 14],
             is_hung: false,
             is_dead: false,
         };
@@ -84,6 +87,14 @@ impl FakeIcm42688 {
         if started(GYRO_START_US) && now >= self.frozen_until {
             self.gyro = gyro.map(|w| quantise(w, gyro_full));
         }
+        self.latch();
+    }
+
+    fn latch(&mut self) {
+        let words = [self.temperature].into_iter().chain(self.accel).chain(self.gyro);
+        for (slot, byte) in self.data.iter_mut().zip(words.flat_map(i16::to_be_bytes)) {
+            *slot = byte;
+        }
     }
 
     fn reset(&mut self) {
@@ -107,6 +118,7 @@ impl FakeIcm42688 {
         self.powered_at = None;
         self.gyro = [INVALID; 3];
         self.accel = [INVALID; 3];
+        self.latch();
     }
 
     fn get(&self, bank: u8, register: u8) -> u8 {
@@ -136,11 +148,9 @@ impl FakeIcm42688 {
                 self.get(self.selected(), register)
             };
         }
-        let words = [self.temperature].into_iter().chain(self.accel).chain(self.gyro);
-        let mut data = words.flat_map(i16::to_be_bytes);
         match register {
             reg::TEMP_DATA1..=0x2A => {
-                data.nth(usize::from(register - reg::TEMP_DATA1)).unwrap_or(0)
+                self.data.get(usize::from(register - reg::TEMP_DATA1)).copied().unwrap_or(0)
             }
             reg::INT_STATUS => {
                 let done = self.clock.now_us() >= self.reset_at + RESET_US;

@@ -70,9 +70,8 @@ impl Scenario {
     /// [`ScenarioError`].
     pub fn parse(text: &str, name: &str) -> Result<Self, ScenarioError> {
         let scenario: Self = toml::from_str(text).map_err(|e| {
-            let line = e
-                .span()
-                .map_or(0, |span| text.get(..span.start).unwrap_or("").lines().count().max(1));
+            let before = e.span().and_then(|span| text.get(..span.start)).unwrap_or("");
+            let line = before.matches('\n').count() + 1;
             let message = e.message().replace('\n', " ");
             ScenarioError(format!("{name}:{line}: {message}"))
         })?;
