@@ -61,7 +61,7 @@ pub struct TouchDownInput<S> {
     pub specific_force: S,
 }
 
-const CONTACT_TIME: f64 = 0.3;
+const CONTACT_TIME: f64 = 0.2;
 const CARRIED_TIME: f64 = 0.4;
 
 impl<S: Scalar> TouchDown<S> {

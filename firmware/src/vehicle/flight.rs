@@ -263,7 +263,7 @@ impl<S: Scalar> Vehicle<S> {
         }
         let reference_is_low = state
             .reference
-            .is_some_and(|r| -r.position.0.z < self.config.touch_down.ground_height - S::lit(0.1));
+            .is_some_and(|r| -r.position.0.z < self.config.touch_down.ground_height + S::lit(0.1));
         let throttle = state.sticks.map_or(0.5, |s| s.value.throttle);
         let wants_down = match state.mode {
             Mode::Land => reference_is_low,
