@@ -1,4 +1,13 @@
-//! Time is an argument: nothing in the core reads a clock.
+//! Time is an argument: nothing in the core reads a clock. The schedule of the loops stands here.
+
+/// Inertial samples, rate loop and mixer per second.
+pub const INNER_HZ: f32 = 1000.0;
+/// Inertial samples per step of estimator, guidance, position and attitude loop.
+pub const DECIMATION: u8 = 4;
+/// Period of the inner loop, s.
+pub const INNER_DT: f64 = 1.0 / INNER_HZ as f64;
+/// Period of the outer loop, s.
+pub const OUTER_DT: f64 = INNER_DT * DECIMATION as f64;
 
 /// Microseconds since boot.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]

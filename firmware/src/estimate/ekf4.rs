@@ -125,24 +125,19 @@ impl<S: Scalar> Ekf4<S> {
         let mut accel_row = |axis: V3<S>, nu: S| {
             let across = so3::reject(&axis, &u) * stiffness;
             let along = -so3::dot(&axis, &u) / weight;
-            correction.row(
-                &Vector4::new(across.x, across.y, across.z, along),
-                nu,
-                self.r_accel,
-                None,
-            )
+            correction.row(&Vector4::new(across.x, across.y, across.z, along), nu, self.r_accel)
         };
         let accel = accel_row(so3::col_x(r), nu.x)
             + accel_row(so3::col_y(r), nu.y)
             + accel_row(so3::col_z(r), nu.z);
         let o = S::zero();
         let altitude = z.altitude.map(|altitude| {
-            correction.row(&Vector4::new(o, o, -S::one(), o), altitude + p.z, self.r_altitude, None)
+            correction.row(&Vector4::new(o, o, -S::one(), o), altitude + p.z, self.r_altitude)
         });
         let measured_length = z.length.map(|measured| {
-            correction.row(&Vector4::new(u.x, u.y, u.z, o), measured - length, self.r_length, None)
+            correction.row(&Vector4::new(u.x, u.y, u.z, o), measured - length, self.r_length)
         });
-        let (dx, _) = correction.finish();
+        let dx = correction.finish();
         next.x += dx;
         next.covariance = (next.covariance + next.covariance.transpose()) * S::lit(0.5);
         if !next.is_finite() {

@@ -11,12 +11,8 @@ use crate::math::{GRAVITY, so3};
 use crate::param::Params;
 use crate::scalar::Scalar;
 use crate::signal::{Estimate, FilterHealth, Imu, ROTORS, Sensors, SphericalPoint, TetherState};
-use crate::time::Micros;
+use crate::time::{DECIMATION, Micros, OUTER_DT};
 
-/// IMU samples per filter step: 1 kHz in, 250 Hz out.
-const DECIMATION: u8 = 4;
-/// Filter step, s.
-const DT: f64 = 0.004;
 /// Height over the ground at which the filter starts, m.
 const START_HEIGHT: f64 = 0.12;
 /// Or this long after thrust exceeded weight, in filter steps (0.25 s).
@@ -136,7 +132,7 @@ impl<S: Scalar> TetherEstimator<S> {
             ground_height: S::from_f32(ground),
             slack_tension: S::from_f32(p.slack_tension),
             divergence_ratio: S::from_f32(p.divergence_ratio),
-            divergence_steps: (p.divergence_time / DT as f32) as u16,
+            divergence_steps: (p.divergence_time / OUTER_DT as f32) as u16,
         }
     }
 
@@ -215,7 +211,7 @@ impl<S: Scalar> TetherEstimator<S> {
         sensors: &Sensors<S>,
         phase: Phase,
     ) {
-        let dt = S::lit(DT);
+        let dt = S::lit(OUTER_DT);
         let on_ground = state.filter.is_none();
         let Some(attitude) = &mut state.attitude else {
             return;

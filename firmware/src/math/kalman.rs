@@ -11,35 +11,29 @@ use nalgebra::{SMatrix, SVector};
 pub struct Correction<'a, S: Scalar, const N: usize> {
     covariance: &'a mut SMatrix<S, N, N>,
     dx: SVector<S, N>,
-    nis: S,
 }
 
 impl<'a, S: Scalar, const N: usize> Correction<'a, S, N> {
     /// Starts with no correction.
     pub fn new(covariance: &'a mut SMatrix<S, N, N>) -> Self {
-        Self { covariance, dx: SVector::zeros(), nis: S::zero() }
+        Self { covariance, dx: SVector::zeros() }
     }
 
-    /// Takes one row `h` with innovation `nu` and variance `r`; the innovation is clamped to `gate`
-    /// standard deviations, not rejected. Returns this row's squared normalised innovation.
-    pub fn row(&mut self, h: &SVector<S, N>, nu: S, r: S, gate: Option<S>) -> S {
+    /// Takes one row `h` with innovation `nu` and variance `r`. Returns this row's squared normalised innovation.
+    pub fn row(&mut self, h: &SVector<S, N>, nu: S, r: S) -> S {
         let b = *self.covariance * h;
         let s = (h.dot(&b) + r).max(S::lit(1e-9));
-        let mut y = nu - h.dot(&self.dx);
+        let y = nu - h.dot(&self.dx);
         let nis = y * y / s;
-        if let Some(gate) = gate {
-            y = y.limit_abs(gate * s.sqrt());
-        }
         let k = b / s;
         self.dx += k * y;
         *self.covariance -= k * b.transpose();
-        self.nis += nis;
         nis
     }
 
-    /// The correction to inject and the summed normalised innovation squared.
+    /// The correction to inject.
     #[must_use]
-    pub fn finish(self) -> (SVector<S, N>, S) {
-        (self.dx, self.nis)
+    pub fn finish(self) -> SVector<S, N> {
+        self.dx
     }
 }

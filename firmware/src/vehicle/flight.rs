@@ -1,13 +1,13 @@
 //! What each mode asks of the attitude loop, 250 times a second.
 
-use super::{OUTER_DT, Smoothed, Vehicle};
+use super::{Smoothed, Vehicle};
 use crate::control::{AttitudeCommand, Link, PositionInput, PositionState};
 use crate::frames::{Attitude, Body, V3, World};
 use crate::math::so3;
 use crate::scalar::Scalar;
 use crate::signal::{Event, EventQueue, FlightReference, Sensors, Sticks};
 use crate::supervisor::{GroundState, Mode, TouchDownInput, TouchDownState};
-use crate::time::Micros;
+use crate::time::{Micros, OUTER_DT};
 use crate::trajectory::direction_of;
 
 /// Low-pass of the estimate before the position loop, per step.
@@ -43,8 +43,6 @@ impl<S: Scalar> Vehicle<S> {
             Mode::Descent => self.descend(),
         }
         self.touch_down(sensors, now);
-        let scale = self.config.thrust_scale;
-        self.state.attitude.thrust = self.state.attitude.thrust * self.state.contact_ramp / scale;
     }
 
     fn smooth(&mut self) {

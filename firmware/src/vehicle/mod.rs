@@ -30,26 +30,9 @@ use crate::signal::{
     WinchCommand, Wrench,
 };
 use crate::supervisor::{FailsafeState, GroundState, Mode, TouchDownState};
-use crate::time::{Micros, Sample};
+use crate::time::{INNER_DT, Micros, Sample};
 use crate::trajectory::Plan;
 use config::Config;
-
-/// How often the parts run. The inner loop runs at every inertial sample; the rest when the estimator
-/// has gathered its four.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Schedule {
-    /// Inertial samples, rate loop, mixer, Hz.
-    pub inner_hz: f32,
-    /// Estimator, guidance, position and attitude loop, Hz.
-    pub outer_hz: f32,
-}
-
-/// The schedule of this build.
-pub const SCHEDULE: Schedule = Schedule { inner_hz: 1000.0, outer_hz: 250.0 };
-/// Outer loop period, s.
-const OUTER_DT: f64 = 0.004;
-/// Inner loop period, s.
-const INNER_DT: f64 = 0.001;
 
 /// One autopilot.
 #[derive(Clone, Debug)]
@@ -266,7 +249,8 @@ impl<S: Scalar> Vehicle<S> {
                 state.mixer,
                 dt,
             );
-            state.wrench = Wrench { thrust: state.attitude.thrust, torque };
+            let thrust = state.attitude.thrust * state.contact_ramp / self.config.thrust_scale;
+            state.wrench = Wrench { thrust, torque };
             let (thrusts, report) = self.config.mixer.step(&state.wrench);
             state.actuation.thrusts = thrusts;
             state.mixer = report;

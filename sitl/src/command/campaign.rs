@@ -22,7 +22,7 @@ pub struct Options {
     #[arg(long, value_name = "I/N", default_value = "1/1", value_parser = shard)]
     shard: (u64, u64),
     /// Only the first so many seeds
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     seeds: Option<u64>,
     /// Where the table goes
     #[arg(long, value_name = "DIR")]

@@ -248,7 +248,7 @@ pub enum FaultKind {
 pub struct FaultSection {
     /// What.
     pub kind: FaultKind,
-    /// s from the start.
+    /// s since power-up, which is a tenth of a second before the first step.
     pub at: f64,
     /// s; to the end when absent.
     #[serde(default)]

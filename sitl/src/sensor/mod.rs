@@ -9,8 +9,7 @@ use errors::{Altitude, Inertial};
 use rand_pcg::Pcg64Mcg;
 use tautline_firmware::sense::{ImuScale, Mounting, RawSensors};
 use tautline_firmware::signal::{RawBarometer, RawBattery, RawImu, RawRange, RawTether};
-use tautline_firmware::time::{Micros, Sample};
-use tautline_firmware::vehicle::SCHEDULE;
+use tautline_firmware::time::{INNER_HZ, Micros, Sample};
 use tautline_hal_shim::barometer::dps310::{self, Dps310};
 use tautline_hal_shim::battery::BatteryMonitor;
 use tautline_hal_shim::fake::{FakeClock, FakeDps310, FakeIcm42688, FakePin, FakeTfMini};
@@ -71,11 +70,7 @@ impl SensorSuite {
     /// What one count of the inertial sensor means.
     #[must_use]
     pub fn scale(&self) -> ImuScale {
-        ImuScale {
-            gyro: self.imu.gyro_scale(),
-            accel: self.imu.accel_scale(),
-            rate_hz: SCHEDULE.inner_hz,
-        }
+        ImuScale { gyro: self.imu.gyro_scale(), accel: self.imu.accel_scale(), rate_hz: INNER_HZ }
     }
 
     /// One millisecond: expose the devices to the world and read them.
