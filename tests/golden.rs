@@ -1,8 +1,9 @@
 //! Golden vectors from an independent derivation.
 //!
 //! Checks every known file in `tests/golden/`, or in the folder that `GOLDEN_DIR` names. Every group
-//! in a file must be known. Groups of estimators that are not built yet are listed in `PENDING`, and a
-//! file that holds nothing else fails, so that nobody takes a skipped file for a checked one.
+//! in a file must be known. Groups of estimators that are not built yet are listed as pending, and a
+//! file that holds nothing else fails, so that nobody takes a skipped file for a checked one. What is
+//! compared stands in `tests/vectors/`, one file per science.
 
 #![allow(
     clippy::unwrap_used,
@@ -12,271 +13,25 @@
     reason = "tests"
 )]
 
-use serde_json::Value;
-use std::path::PathBuf;
-use tautline_firmware::control::{
-    AttitudeLoop, Link, Mixer, PositionInput, PositionLoop, PositionState, Priority, RateLoop,
-    RateState,
-};
-use tautline_firmware::estimate::{Ekf4, Ekf4Measurement, Ekf4State, Mahony, MahonyState};
-use tautline_firmware::frames::{Attitude, Body, M3, V3, World};
+mod vectors;
+
 use tautline_firmware::scalar::Scalar;
-use tautline_firmware::signal::{MixerReport, Wrench};
-
-/// The full-state filter comes later; its groups are known, and not checked yet.
-const PENDING: [&str; 11] = [
-    "predict", "sforce", "acc_H", "upd_acc", "upd_alt", "upd_len", "upd_rad", "upd_fc", "upd_yaw",
-    "upd_vh", "stream",
-];
-const GROUPS: [&str; 6] = ["mahony", "ekf4", "outer", "attitude_cmd", "rate_loop", "mixer"];
-
-fn folder() -> PathBuf {
-    let own = || PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("golden");
-    std::env::var_os("GOLDEN_DIR").map_or_else(own, PathBuf::from)
-}
-
-/// A file of the folder; `None` where it is absent.
-fn file(name: &str) -> Option<Value> {
-    let text = std::fs::read_to_string(folder().join(name)).ok()?;
-    Some(serde_json::from_str(&text).unwrap_or_else(|e| panic!("{name}: {e}")))
-}
-
-fn cases<'a>(file: &'a Value, group: &str) -> impl Iterator<Item = (String, &'a Value)> {
-    let list = file.get(group).and_then(Value::as_array).map_or(&[][..], Vec::as_slice);
-    let group = group.to_owned();
-    list.iter().enumerate().map(move |(i, case)| (format!("{group}[{i}]"), case))
-}
-
-fn num(v: &Value, key: &str) -> f64 {
-    v[key].as_f64().unwrap_or_else(|| panic!("{key} is not a number in {v}"))
-}
-fn s<S: Scalar>(v: &Value, key: &str) -> S {
-    S::lit(num(v, key))
-}
-fn list(v: &Value, key: &str) -> Vec<f64> {
-    v[key].as_array().unwrap().iter().map(|x| x.as_f64().unwrap()).collect()
-}
-fn vec3<S: Scalar>(v: &Value, key: &str) -> V3<S> {
-    let x = list(v, key);
-    V3::new(S::lit(x[0]), S::lit(x[1]), S::lit(x[2]))
-}
-fn rotation<S: Scalar>(v: &Value, key: &str) -> Attitude<S> {
-    let x = list(v, key);
-    Attitude(M3::from_fn(|r, c| S::lit(x[3 * r + c])))
-}
-
-/// Largest difference over max(1, |expected|).
-struct Check {
-    bound: f64,
-    worst: f64,
-}
-
-impl Drop for Check {
-    fn drop(&mut self) {
-        println!("largest error {:.1e}, bound {:.0e}", self.worst, self.bound);
-    }
-}
-
-impl Check {
-    fn new(bound: f64) -> Self {
-        Self { bound, worst: 0.0 }
-    }
-    fn near<S: Scalar + Into<f64>>(&mut self, name: &str, got: S, want: f64) {
-        let error = (got.into() - want).abs() / want.abs().max(1.0);
-        self.worst = self.worst.max(error);
-        assert!(
-            error <= self.bound,
-            "{name}: got {got:?}, want {want}, error {error:e} > {:e}",
-            self.bound
-        );
-    }
-    fn all<S: Scalar + Into<f64>>(
-        &mut self,
-        name: &str,
-        got: impl IntoIterator<Item = S>,
-        want: Vec<f64>,
-    ) {
-        let got: Vec<S> = got.into_iter().collect();
-        assert_eq!(got.len(), want.len(), "{name}");
-        for (got, want) in got.into_iter().zip(want) {
-            self.near(name, got, want);
-        }
-    }
-}
-
-fn row_major<S: Scalar>(m: &M3<S>) -> Vec<S> {
-    m.transpose().iter().copied().collect()
-}
-
-fn check_mahony<S: Scalar + Into<f64>>(file: &Value, bound: f64) {
-    let mut check = Check::new(bound);
-    for (name, c) in cases(file, "mahony") {
-        let filter = Mahony::<S> { kp: s(c, "kp"), ki: s(c, "ki") };
-        let mut state = MahonyState { attitude: rotation(c, "R"), gyro_bias: Body(vec3(c, "b")) };
-        filter.step(&mut state, &Body(vec3(c, "gyro")), &Body(vec3(c, "acc")), s(c, "dt")).unwrap();
-        check.all(&name, row_major(&state.attitude.0), list(c, "Rout"));
-        check.all(&name, state.gyro_bias.0.iter().copied(), list(c, "bout"));
-    }
-}
-
-fn check_ekf4<S: Scalar + Into<f64>>(file: &Value, bound: f64) {
-    let mut check = Check::new(bound);
-    for (name, c) in cases(file, "ekf4") {
-        let filter = Ekf4::<S> {
-            mass: s(c, "m"),
-            q_position: s(c, "q"),
-            q_tension: s(c, "qf"),
-            r_accel: s(c, "ra2"),
-            r_altitude: s(c, "rh"),
-            r_length: s(c, "rl"),
-        };
-        let x = list(c, "x");
-        let rows = |key: &str| -> Vec<f64> {
-            c[key]
-                .as_array()
-                .unwrap()
-                .iter()
-                .flat_map(|row| row.as_array().unwrap())
-                .map(|v| v.as_f64().unwrap())
-                .collect()
-        };
-        let p = rows("P");
-        let mut state = Ekf4State::<S> {
-            x: nalgebra::Vector4::from_fn(|i, _| S::lit(x[i])),
-            covariance: nalgebra::Matrix4::from_fn(|r, k| S::lit(p[4 * r + k])),
-        };
-        let flag = |key: &str| c[key].as_bool().unwrap();
-        let z = Ekf4Measurement {
-            attitude: rotation(c, "R"),
-            accel: Body(vec3(c, "acc")),
-            thrust: s(c, "T"),
-            altitude: flag("has_alt").then(|| s(c, "alt")),
-            length: flag("has_len").then(|| s(c, "length")),
-        };
-        filter.step(&mut state, &z).unwrap();
-        check.all(&name, state.x.iter().copied(), list(c, "xo"));
-        check.all(&name, state.covariance.transpose().iter().copied(), rows("Po"));
-    }
-}
-
-fn check_outer<S: Scalar + Into<f64>>(file: &Value, bound: f64) {
-    let (ctl, est) = (&file["meta"]["ctl"], &file["meta"]["est"]);
-    let controller = PositionLoop::<S> {
-        mass: s(est, "m"),
-        line_density: s(est, "mu"),
-        kp: s(ctl, "kp"),
-        kd: s(ctl, "kd"),
-        ki: s(ctl, "ki"),
-        integral_max: s(ctl, "imax"),
-        accel_max: s(ctl, "amax"),
-        radial_p: s(ctl, "kpr"),
-        radial_d: s(ctl, "kdr"),
-        brake: s(ctl, "kbr"),
-        wind_feed_forward: s(ctl, "wff"),
-        tension_min: s(ctl, "fmin"),
-        tension_max: s(ctl, "fmax"),
-        thrust_min: s(ctl, "Tmin"),
-        thrust_max: s(ctl, "Tmax"),
-        tan_tilt_max: S::lit(num(ctl, "tilt").tan()),
-    };
-    let mut check = Check::new(bound);
-    for (name, c) in cases(file, "outer") {
-        let is_winch = num(c, "mode") > 0.5;
-        let mut state = PositionState { integral: World(vec3(c, "I")) };
-        let input = PositionInput {
-            position: World(vec3(c, "p")),
-            velocity: World(vec3(c, "v")),
-            wind: World(vec3(c, "w")),
-            direction: World(vec3(c, "uref")),
-            reference_velocity: World(vec3(c, "vref")),
-            length: s(c, "lref"),
-            length_rate: s(c, "ldref"),
-            tension: if is_winch { s(c, "fc") } else { s(c, "fref") },
-            link: if is_winch { Link::Winch } else { Link::FixedLength },
-            hold_integral: false,
-        };
-        let out = controller.step(&mut state, &input, s(c, "dt"));
-        check.all(&name, out.force.0.iter().copied(), list(c, "F"));
-        check.all(&name, state.integral.0.iter().copied(), list(c, "Iout"));
-        assert_eq!(out.is_guarded, num(c, "guard") != 0.0, "{name}: guard");
-    }
-}
-
-fn check_attitude<S: Scalar + Into<f64>>(file: &Value, bound: f64) {
-    let ctl = &file["meta"]["ctl"];
-    let controller = AttitudeLoop::<S> {
-        tilt_gain: s(ctl, "kR"),
-        yaw_gain: s(ctl, "kyaw"),
-        // fullstate section 11.
-        tilt_rate_max: S::lit(4.0),
-        yaw_rate_max: S::lit(1.0),
-        thrust_min: s(ctl, "Tmin"),
-    };
-    let mut check = Check::new(bound);
-    for (name, c) in cases(file, "attitude_cmd") {
-        let out = controller.step(&World(vec3(c, "F")), &rotation(c, "R"), s(c, "yaw"));
-        check.all(&name, out.rate.0.iter().copied(), list(c, "rate"));
-        check.near(&name, out.thrust, num(c, "T"));
-    }
-}
-
-fn check_rate<S: Scalar + Into<f64>>(file: &Value, bound: f64) {
-    let ctl = &file["meta"]["ctl"];
-    let mut check = Check::new(bound);
-    for (name, c) in cases(file, "rate_loop") {
-        let controller = RateLoop::<S> {
-            inertia: vec3(c, "J"),
-            kp: s(ctl, "kw"),
-            ki: s(ctl, "kwi"),
-            // fullstate section 11.
-            integral_max: S::lit(20.0),
-            attachment: s(c, "ra"),
-        };
-        let mut state = RateState { integral: Body(vec3(c, "Iw")) };
-        let (wanted, rate) = (Body(vec3(c, "rate_cmd")), Body(vec3(c, "gyro")));
-        let pull = Body(vec3(c, "f_tether_body"));
-        let torque =
-            controller.step(&mut state, &wanted, &rate, &pull, MixerReport::default(), s(c, "dt"));
-        check.all(&name, torque.0.iter().copied(), list(c, "tau"));
-        check.all(&name, state.integral.0.iter().copied(), list(c, "Iw_out"));
-    }
-}
-
-fn check_mixer<S: Scalar + Into<f64>>(file: &Value, bound: f64) {
-    let mut check = Check::new(bound);
-    for (name, c) in cases(file, "mixer") {
-        let mixer = Mixer::<S> {
-            arm: s(c, "arm"),
-            torque_ratio: s(c, "cq"),
-            // fullstate section 11.
-            min: S::lit(0.05),
-            max: s(c, "fmax"),
-            priority: Priority::Clip,
-        };
-        let wrench = Wrench { thrust: s(c, "T"), torque: Body(vec3(c, "tau")) };
-        let (thrusts, report) = mixer.step(&wrench);
-        check.all(&name, thrusts, list(c, "f"));
-        // Where nothing is at its limit, the priority makes no difference.
-        if !report.thrust_is_saturated {
-            let (first, _) = Mixer { priority: Priority::TiltFirst, ..mixer }.step(&wrench);
-            check.all(&name, first, list(c, "f"));
-        }
-    }
-}
+use vectors::{file, fullstate, planar, planar_loops};
 
 #[test]
 fn fullstate_every_group_is_known_and_some_are_checked() {
     let Some(file) = file("fullstate.json") else { return };
     let groups: Vec<_> = file.as_object().unwrap().keys().filter(|k| *k != "meta").collect();
     for group in &groups {
-        let known = PENDING.contains(&group.as_str()) || GROUPS.contains(&group.as_str());
+        let known = fullstate::PENDING.contains(&group.as_str())
+            || fullstate::GROUPS.contains(&group.as_str());
         assert!(known, "unknown group {group} in fullstate.json");
     }
     assert!(
-        groups.iter().any(|g| GROUPS.contains(&g.as_str())),
+        groups.iter().any(|g| fullstate::GROUPS.contains(&g.as_str())),
         "nothing in fullstate.json is checked"
     );
-    for group in groups.iter().filter(|g| PENDING.contains(&g.as_str())) {
+    for group in groups.iter().filter(|g| fullstate::PENDING.contains(&g.as_str())) {
         println!("pending: {group} (full-state filter)");
     }
 }
@@ -288,13 +43,13 @@ macro_rules! golden {
         #[test]
         fn $name() {
             if let Some(file) = file("fullstate.json") {
-                $check::<f64>(&file, 1e-9);
+                fullstate::$check::<f64>(&file, 1e-9);
             }
         }
         #[test]
         fn $name32() {
             if let Some(file) = file("fullstate.json") {
-                $check::<f32>(&file, $f32);
+                fullstate::$check::<f32>(&file, $f32);
             }
         }
     )+};
@@ -307,4 +62,66 @@ golden! {
     fullstate_attitude_cmd_f64, fullstate_attitude_cmd_f32, check_attitude, 2e-5;
     fullstate_rate_loop_f64, fullstate_rate_loop_f32, check_rate, 2e-5;
     fullstate_mixer_f64, fullstate_mixer_f32, check_mixer, 2e-5;
+}
+
+/// Algebra and single steps in one scalar, all groups of the file.
+fn planar_groups<S: Scalar + Into<f64>>(bound: impl Fn(&[f64; 2]) -> f64) {
+    let Some(file) = file("planar.json") else { return };
+    let known = planar::groups::<S>();
+    let groups = file["groups"].as_object().unwrap();
+    for (group, cases) in groups {
+        let (_, check, bounds) = known
+            .iter()
+            .find(|(name, ..)| name == group)
+            .unwrap_or_else(|| panic!("unknown group {group} in planar.json"));
+        print!("{group}: ");
+        let mut worst = vectors::Check::new(bound(bounds));
+        for (i, case) in cases.as_array().unwrap().iter().enumerate() {
+            check(&mut worst, &format!("{group}[{i}]"), &case["in"], &case["out"]);
+        }
+    }
+}
+
+#[test]
+fn planar_every_section_is_known() {
+    let Some(file) = file("planar.json") else { return };
+    for key in file.as_object().unwrap().keys() {
+        let known = ["meta", "groups", "observer_streams", "closed_loop"];
+        assert!(known.contains(&key.as_str()), "unknown group {key} in planar.json");
+    }
+}
+
+#[test]
+fn planar_groups_f64() {
+    planar_groups::<f64>(|[double, _]| *double);
+}
+
+#[test]
+fn planar_groups_f32() {
+    planar_groups::<f32>(|[_, single]| *single);
+}
+
+#[test]
+fn planar_observer_streams_f64() {
+    let Some(file) = file("planar.json") else { return };
+    for (i, stream) in file["observer_streams"].as_array().into_iter().flatten().enumerate() {
+        planar::stream::<f64>(&format!("stream {i}"), stream, 1e-7);
+    }
+}
+
+/// A second-order divided difference at 250 Hz: single precision leaves 1e-3 on the acceleration.
+#[test]
+fn planar_observer_streams_f32() {
+    let Some(file) = file("planar.json") else { return };
+    for (i, stream) in file["observer_streams"].as_array().into_iter().flatten().enumerate() {
+        planar::stream::<f32>(&format!("stream {i}"), stream, 1e-2);
+    }
+}
+
+#[test]
+fn planar_closed_loops_f64() {
+    let Some(file) = file("planar.json") else { return };
+    for scenario in file["closed_loop"].as_array().into_iter().flatten() {
+        planar_loops::check(scenario);
+    }
 }

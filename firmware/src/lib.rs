@@ -8,7 +8,7 @@
 //! ```
 //!
 //! [`vehicle::Vehicle::step`] is the whole autopilot; board and simulator call the same one. Layers,
-//! lowest first: [`scalar`], [`time`], [`frames`], [`math`]; [`signal`] is the data between stages;
+//! lowest first: [`scalar`], [`time`], [`frames`], [`fault`], [`math`], [`model`]; [`signal`] is the data between stages;
 //! [`sense`], [`estimate`], [`trajectory`], [`control`], [`supervisor`] are the stages; [`param`]
 //! holds every setting; [`vehicle`] joins them; [`link`] (MAVLink) and [`log`] (ULog) only read its
 //! output.
@@ -24,11 +24,13 @@ extern crate std;
 
 pub mod control;
 pub mod estimate;
+pub mod fault;
 pub mod fixed;
 pub mod frames;
 pub mod link;
 pub mod log;
 pub mod math;
+pub mod model;
 pub mod param;
 pub mod scalar;
 pub mod sense;

@@ -14,6 +14,7 @@ pub mod inject;
 pub mod metrics;
 pub mod params_file;
 pub mod pilot;
+pub mod planar;
 pub mod plant;
 pub mod record;
 pub mod report;

@@ -5,6 +5,7 @@
 //! the integrators read that report.
 
 mod attitude;
+pub mod link;
 mod mixer;
 mod position;
 mod rate;

@@ -15,6 +15,7 @@
 //! 0.1° per 10 s for 0.01 °/s. Azimuth is measured against the heading at start-up and drifts along.
 
 mod ekf4;
+pub mod high_gain;
 mod mahony;
 mod start_up;
 mod tether;
@@ -22,6 +23,7 @@ mod thrust_model;
 mod velocity;
 mod vertical;
 
+pub use crate::fault::Fault;
 pub use ekf4::{Ekf4, Ekf4Measurement, Ekf4State, Innovations};
 pub use mahony::{Mahony, MahonyState};
 pub use start_up::{LevelState, Leveller};
@@ -29,12 +31,3 @@ pub use tether::{Phase, TetherEstimator, TetherEstimatorState};
 pub use thrust_model::{ThrustModel, ThrustModelState};
 pub use velocity::{VelocityFilter, VelocityState};
 pub use vertical::{VerticalFilter, VerticalState};
-
-/// Why a block refused to step. Its state is untouched.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Fault {
-    /// An input is NaN or infinite.
-    NotFinite,
-    /// The result would be.
-    Degenerate,
-}

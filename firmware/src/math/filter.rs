@@ -10,6 +10,12 @@ pub fn first_order<S: Scalar>(tau: f32, dt: f32) -> S {
     if tau > 0.0 { S::from_f32(1.0 - libm::expf(-dt / tau)) } else { S::one() }
 }
 
+/// `exp(-dt/tau)`: what is left of a first-order lag's error after `dt`; zero for `tau <= 0`.
+#[must_use]
+pub fn decay<S: Scalar>(tau: f64, dt: f64) -> S {
+    if tau > 0.0 { S::lit(libm::exp(-dt / tau)) } else { S::zero() }
+}
+
 /// Second-order section, `a0 = 1`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Biquad<S> {

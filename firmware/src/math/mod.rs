@@ -2,7 +2,10 @@
 
 pub mod filter;
 pub mod kalman;
+mod poles;
 pub mod so3;
+
+pub use poles::gains_from_poles;
 
 use crate::scalar::Scalar;
 

@@ -1,10 +1,12 @@
 //! Smooth ways from here to there.
 
+mod flatness;
 mod leg;
 mod plan;
 mod smooth_step;
 
+pub use flatness::{FlatPoint, ThrustBranch};
 pub use leg::{Leg, Shape};
 pub(crate) use plan::direction_of;
 pub use plan::{Plan, Planner};
-pub use smooth_step::smooth_step;
+pub use smooth_step::{SmoothMove, Smoothness, smooth_step};

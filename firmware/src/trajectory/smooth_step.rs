@@ -1,15 +1,117 @@
-//! The C2 step `10τ³ - 15τ⁴ + 6τ⁵`: rest to rest with continuous acceleration.
+//! Steps from rest to rest with as many continuous derivatives as one asks for. `planar` section 5.
 
+use crate::fault::{Invalid, positive, require};
 use crate::scalar::Scalar;
 
-/// Largest slope of the step: peak speed is this times distance over duration.
+/// Largest slope of the C2 step: peak speed is this times distance over duration.
 pub const PEAK_SLOPE: f32 = 1.875;
 
-/// Value and slope at `tau`; clamped to rest outside [0, 1].
+/// How many derivatives are continuous at both ends.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Smoothness {
+    /// `3τ² - 2τ³`.
+    C1,
+    /// `10τ³ - 15τ⁴ + 6τ⁵`.
+    C2,
+    /// `35τ⁴ - 84τ⁵ + 70τ⁶ - 20τ⁷`.
+    C3,
+    /// `126τ⁵ - 420τ⁶ + 540τ⁷ - 315τ⁸ + 70τ⁹`.
+    C4,
+}
+
+impl Smoothness {
+    /// Coefficients, highest power first, down to the constant.
+    const fn coefficients(self) -> &'static [f64] {
+        match self {
+            Self::C1 => &[-2.0, 3.0, 0.0, 0.0],
+            Self::C2 => &[6.0, -15.0, 10.0, 0.0, 0.0, 0.0],
+            Self::C3 => &[-20.0, 70.0, -84.0, 35.0, 0.0, 0.0, 0.0, 0.0],
+            Self::C4 => &[70.0, -315.0, 540.0, -420.0, 126.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+        }
+    }
+
+    /// Value and the first four derivatives at `tau`; outside [0, 1] at rest at the nearer end. At 0
+    /// and 1 themselves the derivatives are those of the polynomial.
+    #[must_use]
+    pub fn at<S: Scalar>(self, tau: S) -> [S; 5] {
+        let o = S::zero();
+        if tau < o {
+            return [o; 5];
+        }
+        if tau > S::one() {
+            return [S::one(), o, o, o, o];
+        }
+        // Horner's scheme carries the Taylor coefficients along.
+        let (mut v, mut d1, mut d2, mut d3, mut d4) = (o, o, o, o, o);
+        for &c in self.coefficients() {
+            d4 = d4 * tau + d3;
+            d3 = d3 * tau + d2;
+            d2 = d2 * tau + d1;
+            d1 = d1 * tau + v;
+            v = v * tau + S::lit(c);
+        }
+        [v, d1, d2 * S::lit(2.0), d3 * S::lit(6.0), d4 * S::lit(24.0)]
+    }
+}
+
+/// The C2 step: value and slope at `tau`; clamped to rest outside [0, 1].
 #[must_use]
 pub fn smooth_step<S: Scalar>(tau: S) -> (S, S) {
-    let t = tau.limit(S::zero(), S::one());
-    let (t2, left) = (t * t, S::one() - t);
-    let value = t2 * t * (S::lit(10.0) - t * (S::lit(15.0) - S::lit(6.0) * t));
-    (value, S::lit(30.0) * t2 * left * left)
+    let [value, slope, ..] = Smoothness::C2.at(tau);
+    (value, slope)
+}
+
+/// One number going from rest to rest in a given time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SmoothMove<S> {
+    from: S,
+    to: S,
+    duration: S,
+    smoothness: Smoothness,
+}
+
+impl<S: Scalar> SmoothMove<S> {
+    /// From and to in the same unit, duration in s.
+    ///
+    /// # Errors
+    /// [`Invalid`] naming `from`, `to` or `duration`.
+    pub fn try_new(from: S, to: S, duration: S, smoothness: Smoothness) -> Result<Self, Invalid> {
+        let finite = |field, x| require(field, "finite", x, |_| true);
+        Ok(Self {
+            from: finite("from", from)?,
+            to: finite("to", to)?,
+            duration: positive("duration", duration)?,
+            smoothness,
+        })
+    }
+
+    /// Stay there.
+    #[must_use]
+    pub fn stay(at: S, smoothness: Smoothness) -> Self {
+        Self { from: at, to: at, duration: S::one(), smoothness }
+    }
+
+    /// Value and four time derivatives at a time since the start, s; at rest before and after.
+    #[must_use]
+    pub fn at(&self, time: S) -> [S; 5] {
+        let way = self.to - self.from;
+        let per = S::one() / self.duration;
+        let [s, d1, d2, d3, d4] = self.smoothness.at(time * per);
+        let p1 = way * per;
+        let p2 = p1 * per;
+        let p3 = p2 * per;
+        [self.from + way * s, p1 * d1, p2 * d2, p3 * d3, p3 * per * d4]
+    }
+
+    /// Where it ends.
+    #[must_use]
+    pub fn end(&self) -> S {
+        self.to
+    }
+
+    /// s.
+    #[must_use]
+    pub fn duration(&self) -> S {
+        self.duration
+    }
 }

@@ -88,7 +88,7 @@ impl Scenario {
     }
 }
 
-fn within(key: &str, value: f64, min: f64, max: f64) -> Result<(), String> {
+pub(crate) fn within(key: &str, value: f64, min: f64, max: f64) -> Result<(), String> {
     if value >= min && value <= max {
         Ok(())
     } else {

@@ -5,6 +5,7 @@
 
 mod build;
 mod check;
+pub(crate) use check::within;
 mod sections;
 
 pub use sections::{
