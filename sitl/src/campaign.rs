@@ -2,12 +2,11 @@
 
 use crate::flight::Flight;
 use crate::metrics::Summary;
+use crate::parallel;
 use crate::pilot::Progress;
 use crate::scenario::Scenario;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::mpsc;
 
 /// A campaign file.
 #[derive(Clone, Debug, Deserialize)]
@@ -97,26 +96,9 @@ impl Campaign {
         scenario: &Scenario,
         seeds: &[u64],
         jobs: usize,
-        mut each: impl FnMut(&Outcome),
+        each: impl FnMut(&Outcome),
     ) -> Vec<Outcome> {
-        let next = AtomicUsize::new(0);
-        let (send, receive) = mpsc::channel();
-        let mut outcomes: Vec<Outcome> = std::thread::scope(|scope| {
-            for _ in 0..jobs.max(1) {
-                let (send, next) = (send.clone(), &next);
-                scope.spawn(move || {
-                    while let Some(&seed) = seeds.get(next.fetch_add(1, Ordering::Relaxed)) {
-                        if send.send(fly(scenario, seed, &self.limits)).is_err() {
-                            break;
-                        }
-                    }
-                });
-            }
-            drop(send);
-            receive.iter().inspect(|outcome| each(outcome)).collect()
-        });
-        outcomes.sort_by_key(|outcome| outcome.seed);
-        outcomes
+        parallel::map(seeds, jobs, |&seed| fly(scenario, seed, &self.limits), each)
     }
 }
 

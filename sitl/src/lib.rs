@@ -9,9 +9,11 @@
 
 pub mod campaign;
 pub mod command;
+pub mod experiment;
 pub mod flight;
 pub mod inject;
 pub mod metrics;
+pub mod parallel;
 pub mod params_file;
 pub mod pilot;
 pub mod planar;

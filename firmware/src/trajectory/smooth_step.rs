@@ -30,15 +30,15 @@ impl Smoothness {
         }
     }
 
-    /// Value and the first four derivatives at `tau`; outside [0, 1] at rest at the nearer end. At 0
-    /// and 1 themselves the derivatives are those of the polynomial.
+    /// Value and the first four derivatives at `tau`; at rest up to 0 and from 1 on, so that a sample
+    /// that falls on an end sees no jump of a higher derivative.
     #[must_use]
     pub fn at<S: Scalar>(self, tau: S) -> [S; 5] {
         let o = S::zero();
-        if tau < o {
+        if tau <= o {
             return [o; 5];
         }
-        if tau > S::one() {
+        if tau >= S::one() {
             return [S::one(), o, o, o, o];
         }
         // Horner's scheme carries the Taylor coefficients along.

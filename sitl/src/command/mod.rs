@@ -9,6 +9,7 @@ macro_rules! say {
 }
 
 mod campaign;
+mod experiment;
 mod fly;
 mod plot;
 mod status;
@@ -46,6 +47,8 @@ enum Command {
     Fly(fly::Options),
     /// Fly a scenario over many seeds and judge it against limits.
     Campaign(campaign::Options),
+    /// Reproduce a result of the papers.
+    Experiment(experiment::Options),
     /// Draw a log.
     Plot(plot::Options),
     /// Print all parameters in QGroundControl's file format.
@@ -72,6 +75,7 @@ pub fn run() -> ExitCode {
         None => fly::run(&cli.fly),
         Some(Command::Fly(options)) => fly::run(&options),
         Some(Command::Campaign(options)) => campaign::run(&options),
+        Some(Command::Experiment(options)) => experiment::run(&options),
         Some(Command::Plot(options)) => plot::run(&options),
         Some(Command::Params) => {
             say!(

@@ -107,7 +107,9 @@ pub fn fly(s: &PlanarScenario, seed: u64) -> Result<Trace, String> {
         };
         match &pilot {
             Pilot::Loop(planar) => {
-                let mut now = state.unwrap_or_else(|| begin_loop(planar, s, &imu, first_thrust));
+                // A start is the mean of many samples at rest, so the noise of one is not in it.
+                let rest = PlanarImu { x: ax, z: az, rate: seen.rate };
+                let mut now = state.unwrap_or_else(|| begin_loop(planar, s, &rest, first_thrust));
                 let truth =
                     (s.feedback == Feedback::State).then(|| PlanarState::from_array(plant.state));
                 let input = PlanarInput { imu, acting: None, state: truth };

@@ -1,41 +1,12 @@
 //! The picture of a flight: map, height, tether angles, tension.
 
+use super::chart::{Area, ESTIMATE, Line, Panel, SETPOINT, TRUTH, TRUTH_FAINT, bounds, draw, plot};
 use super::read::{FlightData, Series};
-use plotters::coord::Shift;
 use plotters::prelude::*;
 use std::error::Error;
-use std::ops::Range;
 use std::path::Path;
 
-const TRUTH: RGBColor = RGBColor(30, 30, 30);
-/// For a truth that ripples: the estimate must show through.
-const TRUTH_FAINT: RGBColor = RGBColor(165, 165, 165);
-const ESTIMATE: RGBColor = RGBColor(200, 60, 40);
-const SETPOINT: RGBColor = RGBColor(40, 110, 200);
 const SIZE: (u32, u32) = (1200, 900);
-
-type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
-
-/// One line with its name.
-struct Line {
-    name: &'static str,
-    colour: RGBColor,
-    points: Series,
-}
-
-impl Line {
-    fn new(name: &'static str, colour: RGBColor, points: Series) -> Self {
-        Self { name, colour, points }
-    }
-}
-
-/// Texts of one chart.
-struct Panel {
-    title: &'static str,
-    x: &'static str,
-    y: &'static str,
-    legend: SeriesLabelPosition,
-}
 
 /// Draws a log's flight as SVG.
 ///
@@ -60,13 +31,9 @@ fn try_draw(data: &FlightData, title: &str, path: &Path) -> Result<(), Box<dyn E
         Line::new("estimate", ESTIMATE, up(down)),
         Line::new("set-point", SETPOINT, up(wanted_down)),
     ];
-    let panel = Panel {
-        title: "Height over the anchor",
-        x: "time, s",
-        y: "m",
-        legend: SeriesLabelPosition::LowerMiddle,
-    };
-    over_time(height, &panel, &lines)?;
+    let panel = Panel::new("Height over the anchor", "time, s", "m")
+        .legend(SeriesLabelPosition::LowerMiddle);
+    draw(height, &panel, &lines)?;
 
     let [true_elevation, true_azimuth, true_tension] = &data.true_tether;
     let [elevation, azimuth, estimated_tension] = &data.tether;
@@ -78,9 +45,9 @@ fn try_draw(data: &FlightData, title: &str, path: &Path) -> Result<(), Box<dyn E
         Line::new("", ESTIMATE, degrees(azimuth)),
     ];
     let title = "Tether elevation (upper) and azimuth (lower)";
-    over_time(
+    draw(
         angles,
-        &Panel { title, x: "time, s", y: "deg", legend: SeriesLabelPosition::UpperMiddle },
+        &Panel::new(title, "time, s", "deg").legend(SeriesLabelPosition::UpperMiddle),
         &lines,
     )?;
 
@@ -89,77 +56,10 @@ fn try_draw(data: &FlightData, title: &str, path: &Path) -> Result<(), Box<dyn E
         Line::new("estimate", ESTIMATE, estimated_tension.clone()),
         Line::new("asked of the winch", SETPOINT, data.winch.clone()),
     ];
-    let panel = Panel {
-        title: "Tether tension",
-        x: "time, s",
-        y: "N",
-        legend: SeriesLabelPosition::LowerMiddle,
-    };
-    over_time(tension, &panel, &lines)?;
+    let panel =
+        Panel::new("Tether tension", "time, s", "N").legend(SeriesLabelPosition::LowerMiddle);
+    draw(tension, &panel, &lines)?;
     root.present()?;
-    Ok(())
-}
-
-fn bounds(lines: &[Line], pick: impl Fn(&(f64, f64)) -> f64) -> Range<f64> {
-    let values =
-        lines.iter().flat_map(|line| line.points.iter().map(&pick)).filter(|v| v.is_finite());
-    let (low, high) =
-        values.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
-    if low > high {
-        return 0.0..1.0;
-    }
-    let margin = ((high - low) * 0.05).max(0.1);
-    (low - margin)..(high + margin)
-}
-
-/// At most about this many points per line: enough for a picture.
-fn thin(points: &Series) -> impl Iterator<Item = (f64, f64)> + '_ {
-    points.iter().copied().step_by((points.len() / 800).max(1))
-}
-
-fn over_time(area: &Area, panel: &Panel, lines: &[Line]) -> Result<(), Box<dyn Error>> {
-    plot(area, panel, lines, (bounds(lines, |p| p.0), bounds(lines, |p| p.1)), &[])
-}
-
-fn plot(
-    area: &Area,
-    panel: &Panel,
-    lines: &[Line],
-    (x_range, y_range): (Range<f64>, Range<f64>),
-    marks: &[(f64, f64)],
-) -> Result<(), Box<dyn Error>> {
-    let mut chart = ChartBuilder::on(area)
-        .caption(panel.title, ("sans-serif", 20))
-        .margin(12)
-        .x_label_area_size(42)
-        .y_label_area_size(54)
-        .build_cartesian_2d(x_range, y_range)?;
-    chart
-        .configure_mesh()
-        .x_desc(panel.x)
-        .y_desc(panel.y)
-        .light_line_style(RGBColor(240, 240, 240))
-        .label_style(("sans-serif", 15))
-        .axis_desc_style(("sans-serif", 16))
-        .draw()?;
-    for line in lines {
-        let colour = line.colour;
-        let drawn =
-            chart.draw_series(LineSeries::new(thin(&line.points), colour.stroke_width(2)))?;
-        if !line.name.is_empty() {
-            drawn.label(line.name).legend(move |(x, y)| {
-                PathElement::new(vec![(x, y), (x + 22, y)], colour.stroke_width(2))
-            });
-        }
-    }
-    chart.draw_series(marks.iter().map(|&at| Circle::new(at, 5, SETPOINT.filled())))?;
-    chart
-        .configure_series_labels()
-        .position(panel.legend.clone())
-        .background_style(WHITE.mix(0.85))
-        .border_style(RGBColor(180, 180, 180))
-        .label_font(("sans-serif", 15))
-        .draw()?;
     Ok(())
 }
 
@@ -179,11 +79,7 @@ fn draw_map(area: &Area, data: &FlightData) -> Result<(), Box<dyn Error>> {
     let half = ((xs.end - xs.start) / shape).max(ys.end - ys.start) / 2.0;
     let (cx, cy) = (f64::midpoint(xs.start, xs.end), f64::midpoint(ys.start, ys.end));
     let (x_range, y_range) = ((cx - half * shape)..(cx + half * shape), (cy - half)..(cy + half));
-    let panel = Panel {
-        title: "Map (the dot is the anchor)",
-        x: "East, m",
-        y: "North, m",
-        legend: SeriesLabelPosition::MiddleRight,
-    };
+    let panel = Panel::new("Map (the dot is the anchor)", "East, m", "North, m")
+        .legend(SeriesLabelPosition::MiddleRight);
     plot(area, &panel, &lines, (x_range, y_range), &[(0.0, 0.0)])
 }

@@ -1,5 +1,6 @@
 //! Pictures of a flight, from its log.
 
+pub mod chart;
 mod draw;
 mod read;
 
