@@ -22,5 +22,6 @@ pub mod record;
 pub mod report;
 pub mod scenario;
 pub mod sensor;
+pub mod taut_metrics;
 pub mod udp;
 pub mod world;

@@ -1,6 +1,7 @@
 //! How well was it flown? Against the truth, not the estimate.
 
 use crate::plant::{Plant, V3};
+use crate::taut_metrics::{TautMetrics, TautSummary};
 use nalgebra::Rotation3;
 use serde::Serialize;
 use tautline_firmware::supervisor::{GroundState, Mode};
@@ -54,6 +55,8 @@ pub struct Metrics {
     pub touch_down_drift: Option<f64>,
     /// Why the vehicle counts as lost.
     pub lost: Option<&'static str>,
+    /// In the taut-link modes.
+    pub taut: TautMetrics,
     /// Largest squared-innovation ratios seen in the air: accelerometer, altitude, length.
     pub health_max: [f64; 3],
     was_touching: bool,
@@ -81,6 +84,8 @@ pub struct Summary {
     pub touch_down_mps: Option<f64>,
     /// Horizontal speed.
     pub touch_down_drift_mps: Option<f64>,
+    /// In the taut-link modes.
+    pub taut: Option<TautSummary>,
     /// Why lost.
     pub lost: Option<&'static str>,
 }
@@ -104,6 +109,10 @@ impl Metrics {
             self.has_flown = false;
         }
         self.was_touching = touches;
+        self.taut.step(out, plant);
+        if let Some(why) = self.taut.lost {
+            self.lost.get_or_insert(why);
+        }
         if !in_air {
             return;
         }
@@ -158,6 +167,7 @@ impl Metrics {
             tension_rms_n: self.tension.rms(),
             touch_down_mps: self.touch_down,
             touch_down_drift_mps: self.touch_down_drift,
+            taut: self.taut.summary(),
             lost: self.lost,
         }
     }

@@ -1,6 +1,6 @@
 //! The built-in pilot: flies a scenario's mission by MAVLink, as a ground station would.
 
-use crate::scenario::Step;
+use crate::scenario::{Step, TautControl};
 use mavlink::dialects::common::{COMMAND_LONG_DATA, HEARTBEAT_DATA, MavAutopilot, MavCmd, MavType};
 use mavlink::{MAVLinkV2MessageRaw, MavHeader, MessageData};
 use tautline_firmware::supervisor::{GroundState, Mode};
@@ -24,6 +24,20 @@ pub enum Progress {
     Done,
     /// A step failed.
     Failed(String),
+}
+
+fn taut_mode(control: TautControl) -> Mode {
+    match control {
+        TautControl::Force => Mode::TautForce,
+        TautControl::Attitude => Mode::TautAttitude,
+    }
+}
+
+/// Parameters of DO_SET_MODE: custom mode, then PX4's main and sub mode.
+fn set_mode(p: &mut [f32; 7], mode: Mode) {
+    let custom = mode.rule().custom_mode;
+    let [_, _, main, sub] = custom.to_le_bytes();
+    *p = [1.0, f32::from(main), f32::from(sub), 0.0, 0.0, 0.0, 0.0];
 }
 
 /// State of the mission.
@@ -123,6 +137,12 @@ impl Pilot {
                 let rests = out.reference.is_some_and(|r| r.velocity.0.norm() < 1e-3);
                 self.commanded_at.is_some() && waited > 2.0 && rests
             }
+            Step::Taut { control } => out.mode == taut_mode(*control),
+            Step::TautMove { duration, .. } => {
+                let rests = out.taut_reference.is_some_and(|r| r.elevation[1].abs() < 1e-6);
+                self.commanded_at.is_some() && waited > *duration && rests
+            }
+            Step::TetherHold => out.mode == Mode::TetherHold,
             Step::Land | Step::AwaitDisarmed { .. } => !out.is_armed,
         }
     }
@@ -161,6 +181,32 @@ impl Pilot {
                     0.0,
                 ];
                 MavCmd::MAV_CMD_USER_1
+            }
+            Step::Taut { control } => {
+                set_mode(&mut p, taut_mode(*control));
+                MavCmd::MAV_CMD_DO_SET_MODE
+            }
+            Step::TetherHold => {
+                set_mode(&mut p, Mode::TetherHold);
+                MavCmd::MAV_CMD_DO_SET_MODE
+            }
+            Step::TautMove { elevation: [from, to], second: [y_from, y_to], control, duration } => {
+                if self.commanded_at.is_some() {
+                    return false;
+                }
+                let is_force = *control == TautControl::Force;
+                let unit = |y: &f64| if is_force { *y as f32 } else { y.to_degrees() as f32 };
+                let degrees = |x: &f64| x.to_degrees() as f32;
+                p = [
+                    degrees(from),
+                    degrees(to),
+                    unit(y_from),
+                    unit(y_to),
+                    0.0,
+                    0.0,
+                    *duration as f32,
+                ];
+                if is_force { MavCmd::MAV_CMD_USER_2 } else { MavCmd::MAV_CMD_USER_3 }
             }
             Step::Land => {
                 if out.mode == Mode::Land {

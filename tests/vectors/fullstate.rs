@@ -4,10 +4,10 @@ use super::{Check, cases, list, num, rotation, s, vec3};
 use serde_json::Value;
 use tautline_firmware::control::{
     AttitudeLoop, Link, Mixer, PositionInput, PositionLoop, PositionState, Priority, RateLoop,
-    RateState,
+    RateSetpoint, RateState,
 };
 use tautline_firmware::estimate::{Ekf4, Ekf4Measurement, Ekf4State, Mahony, MahonyState};
-use tautline_firmware::frames::{Body, M3, World};
+use tautline_firmware::frames::{Body, M3, V3, World};
 use tautline_firmware::scalar::Scalar;
 use tautline_firmware::signal::{MixerReport, Wrench};
 
@@ -142,12 +142,15 @@ pub fn check_rate<S: Scalar + Into<f64>>(file: &Value, bound: f64) {
             inertia: vec3(c, "J"),
             kp: s(ctl, "kw"),
             ki: s(ctl, "kwi"),
+            kd: S::zero(),
+            derivative_share: S::one(),
             // fullstate section 11.
             integral_max: S::lit(20.0),
             attachment: s(c, "ra"),
         };
-        let mut state = RateState { integral: Body(vec3(c, "Iw")) };
-        let (wanted, rate) = (Body(vec3(c, "rate_cmd")), Body(vec3(c, "gyro")));
+        let mut state = RateState::holding(Body(vec3(c, "Iw")));
+        let rate = Body(vec3(c, "gyro"));
+        let wanted = RateSetpoint { rate: Body(vec3(c, "rate_cmd")), accel: Body(V3::zeros()) };
         let pull = Body(vec3(c, "f_tether_body"));
         let torque =
             controller.step(&mut state, &wanted, &rate, &pull, MixerReport::default(), s(c, "dt"));

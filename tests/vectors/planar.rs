@@ -2,7 +2,7 @@
 
 use super::{Check, list, num};
 use serde_json::Value;
-use tautline_firmware::control::link::{
+use tautline_firmware::control::taut::{
     ElevationAttitude, ElevationAttitudeStatic, ElevationForce, Inversion, ThrustState,
 };
 use tautline_firmware::estimate::high_gain::{
@@ -174,7 +174,7 @@ fn drift_attitude<S: Scalar + Into<f64>>(check: &mut Check, name: &str, i: &Valu
     check.all(name, [drift, S::zero()], outs(o));
 }
 
-fn outputs<S: Scalar>(i: &Value) -> tautline_firmware::control::link::ForceOutputs<S> {
+fn outputs<S: Scalar>(i: &Value) -> tautline_firmware::control::taut::ForceOutputs<S> {
     let law = force_law::<S>(i, (&stable(), &stable()), Inversion::Exact);
     let thrust = ThrustState {
         thrust: s(i, "u1"),

@@ -26,8 +26,18 @@ pub struct AttitudeLoop<S> {
 pub struct AttitudeCommand<S: Scalar> {
     /// rad/s.
     pub rate: Body<V3<S>>,
+    /// Angular acceleration known in advance, rad/s².
+    pub accel: Body<V3<S>>,
     /// Along the body's up axis, N.
     pub thrust: S,
+}
+
+impl<S: Scalar> AttitudeCommand<S> {
+    /// No rotation, no thrust.
+    #[must_use]
+    pub fn idle() -> Self {
+        Self { rate: Body(V3::zeros()), accel: Body(V3::zeros()), thrust: S::zero() }
+    }
 }
 
 impl<S: Scalar> AttitudeLoop<S> {
@@ -70,6 +80,7 @@ impl<S: Scalar> AttitudeLoop<S> {
         let spin = (yaw_error * self.yaw_gain).limit_abs(self.yaw_rate_max);
         AttitudeCommand {
             rate: Body(V3::new(tilt.x, tilt.y, tilt.z + spin)),
+            accel: Body(V3::zeros()),
             thrust: (-so3::dot(&force.0, &current)).max(self.thrust_min),
         }
     }

@@ -5,16 +5,16 @@
 //! the integrators read that report.
 
 mod attitude;
-pub mod link;
 mod mixer;
 mod position;
 mod rate;
+pub mod taut;
 mod thrust_map;
 mod vertical;
 
 pub use attitude::{AttitudeCommand, AttitudeLoop};
 pub use mixer::{Mixer, Priority};
 pub use position::{Link, PositionInput, PositionLoop, PositionOutput, PositionState};
-pub use rate::{RateLoop, RateState};
+pub use rate::{RateLoop, RateSetpoint, RateState};
 pub use thrust_map::ThrustMap;
 pub use vertical::{ClimbLoop, ClimbState};

@@ -18,6 +18,7 @@ mod ekf4;
 pub mod high_gain;
 mod mahony;
 mod start_up;
+pub mod taut;
 mod tether;
 mod thrust_model;
 mod velocity;

@@ -5,9 +5,10 @@ use crate::frames::{Attitude, Body, V3};
 use crate::scalar::Scalar;
 use crate::signal::Imu;
 
-/// Largest deviation of the gyro from its running mean that still counts as rest, rad/s (1 °/s, plus
-/// the noise of one filtered sample).
-const REST_RATE: f64 = 0.03;
+/// Largest deviation of the gyro, low-passed over some 50 samples, from its running mean that still
+/// counts as rest, rad/s. The low-pass lets a noisy sensor level too.
+const REST_RATE: f64 = 0.02;
+const RECENT_SHARE: f64 = 0.02;
 
 /// Configuration.
 #[derive(Clone, Copy, Debug)]
@@ -22,20 +23,25 @@ pub struct Leveller<S> {
 #[derive(Clone, Copy, Debug)]
 pub struct LevelState<S: Scalar> {
     count: u32,
+    recent: V3<S>,
     gyro: V3<S>,
     accel: V3<S>,
 }
 
 impl<S: Scalar> Default for LevelState<S> {
     fn default() -> Self {
-        Self { count: 0, gyro: V3::zeros(), accel: V3::zeros() }
+        Self { count: 0, recent: V3::zeros(), gyro: V3::zeros(), accel: V3::zeros() }
     }
 }
 
 impl<S: Scalar> Leveller<S> {
     /// Takes one sample; the attitude once there are enough. A movement starts the average anew.
     pub fn step(&self, state: &mut LevelState<S>, imu: &Imu<S>) -> Option<MahonyState<S>> {
-        let deviation = imu.gyro.0 - state.gyro;
+        if state.count == 0 {
+            state.recent = imu.gyro.0;
+        }
+        state.recent += (imu.gyro.0 - state.recent) * S::lit(RECENT_SHARE);
+        let deviation = state.recent - state.gyro;
         let limit = S::lit(REST_RATE);
         let moved =
             deviation.x.abs() > limit || deviation.y.abs() > limit || deviation.z.abs() > limit;

@@ -8,6 +8,7 @@ use super::{
 use crate::frames::{Attitude, Body, V3, World};
 use crate::math::filter::{Biquad, first_order};
 use crate::math::{GRAVITY, so3};
+use crate::model::LinkKind;
 use crate::param::Params;
 use crate::scalar::Scalar;
 use crate::signal::{Estimate, FilterHealth, Imu, ROTORS, Sensors, SphericalPoint, TetherState};
@@ -45,6 +46,8 @@ pub struct TetherEstimator<S: Scalar> {
     start: World<V3<S>>,
     start_tension: S,
     has_winch: bool,
+    /// Always taut, and tension may be negative.
+    is_rigid: bool,
     fixed_length: S,
     ground_height: S,
     slack_tension: S,
@@ -89,13 +92,15 @@ pub struct TetherEstimatorState<S: Scalar> {
     failed_steps: u16,
     rate: V3<S>,
     last_thrust: S,
+    average: Imu<S>,
 }
 
 impl<S: Scalar> TetherEstimator<S> {
     /// From the parameters and the accelerometer's filter at the IMU's rate.
     #[must_use]
     pub fn new(p: &Params, accel_filter: Biquad<S>, imu_rate_hz: f32) -> Self {
-        let has_winch = p.tether_kind > 0.5;
+        let kind = LinkKind::from_parameter(p.tether_kind);
+        let has_winch = kind.has_winch();
         let ground = p.ground_height;
         let distance = if has_winch {
             p.start_distance
@@ -128,6 +133,7 @@ impl<S: Scalar> TetherEstimator<S> {
             start: World(V3::new(out * cos, out * sin, -S::from_f32(ground))),
             start_tension: S::from_f32(p.tension_low),
             has_winch,
+            is_rigid: kind.is_rigid(),
             fixed_length: S::from_f32(p.tether_length),
             ground_height: S::from_f32(ground),
             slack_tension: S::from_f32(p.slack_tension),
@@ -157,6 +163,7 @@ impl<S: Scalar> TetherEstimator<S> {
             failed_steps: 0,
             rate: V3::zeros(),
             last_thrust: S::zero(),
+            average: Imu { gyro: Body(V3::zeros()), accel: Body(V3::zeros()) },
         }
     }
 
@@ -199,6 +206,7 @@ impl<S: Scalar> TetherEstimator<S> {
         let mean = S::lit(1.0 / DECIMATION as f64);
         let imu = Imu { gyro: Body(sums.gyro * mean), accel: Body(sums.accel * mean) };
         state.last_thrust = sums.thrust * mean;
+        state.average = imu;
         state.decimator = Decimator::default();
         self.filter_step(state, &imu, sensors, phase);
         true
@@ -305,12 +313,12 @@ impl<S: Scalar> TetherEstimator<S> {
         let failed = h.accel > self.divergence_ratio
             || h.altitude > self.divergence_ratio
             || h.length > self.divergence_ratio
-            || tension < S::lit(-3.0)
+            || (tension < S::lit(-3.0) && !self.is_rigid)
             || far;
         state.failed_steps = if failed { state.failed_steps.saturating_add(1) } else { 0 };
 
         let (crossed, needed) = if state.is_taut {
-            (tension < self.slack_tension, SLACK_STEPS)
+            (tension < self.slack_tension && !self.is_rigid, SLACK_STEPS)
         } else {
             (tension > S::lit(TAUT_TENSION), TAUT_STEPS)
         };
@@ -382,6 +390,11 @@ impl<S: Scalar> TetherEstimatorState<S> {
     /// Moves the vehicle to the place from which the (new) configuration starts.
     pub fn replace(&mut self, config: &TetherEstimator<S>) {
         self.place = config.start;
+    }
+    /// Inertial reading averaged over the last 250 Hz step, gyro bias not removed.
+    #[must_use]
+    pub fn average(&self) -> &Imu<S> {
+        &self.average
     }
     /// Whether the position filter runs: the vehicle has left the ground.
     #[must_use]

@@ -120,6 +120,19 @@ impl Command {
                 length: given(p3),
                 tension: given(p4),
             }),
+            // Ours, MAV_CMD_USER_2 and _3: a smooth step on a taut link. Elevation from and to (degrees),
+            // then link force (N), or pitch (degrees), from and to; 7 is the duration (s). NaN keeps.
+            31011 | 31012 => {
+                let (elevation, second) = ([given(p1), given(p2)], [given(p3), given(p4)]);
+                let radians = |pair: [Option<f32>; 2]| pair.map(|x| x.map(f32::to_radians));
+                let is_force = self.ticket.command == 31011;
+                Meaning::Do(Action::MoveTaut {
+                    elevation: radians(elevation),
+                    force: if is_force { second } else { [None; 2] },
+                    pitch: if is_force { [None; 2] } else { radians(second) },
+                    duration: given(self.altitude),
+                })
+            }
             // PREFLIGHT_CALIBRATION: gyro or level
             241 => Meaning::Do(Action::Level),
             // PREFLIGHT_STORAGE

@@ -27,6 +27,7 @@ struct Topics {
     battery: Topic,
     tether: Topic,
     estimator: Topic,
+    taut: Topic,
 }
 
 /// Writes what each step says. Whoever logs beside it (the simulator's truth) uses [`Self::ulog`].
@@ -60,6 +61,7 @@ impl FlightLog {
         ulog.define::<t::BatteryStatus>("battery_status", sink);
         ulog.define::<t::TetherState>("tether_state", sink);
         ulog.define::<t::EstimatorEkf4>("estimator_ekf4", sink);
+        ulog.define::<t::EstimatorTaut>("estimator_taut", sink);
         define_more(&mut ulog, sink);
         for (index, meta) in META.iter().enumerate() {
             ulog.parameter(meta.name, params.get(index).unwrap_or(meta.default), sink);
@@ -76,6 +78,7 @@ impl FlightLog {
             battery: ulog.subscribe("battery_status", sink),
             tether: ulog.subscribe("tether_state", sink),
             estimator: ulog.subscribe("estimator_ekf4", sink),
+            taut: ulog.subscribe("estimator_taut", sink),
         };
         Self { ulog, topics, step: 0, last_state: None }
     }
@@ -99,6 +102,7 @@ impl FlightLog {
         if n.is_multiple_of(SLOW) {
             u.write(topics.position, &t::VehicleLocalPosition::of(out), sink);
             u.write(topics.estimator, &t::EstimatorEkf4::of(out), sink);
+            optional(u, topics.taut, t::EstimatorTaut::of(out).as_ref(), sink);
             optional(u, topics.tether, t::TetherState::of(out).as_ref(), sink);
             optional(
                 u,

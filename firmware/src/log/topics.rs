@@ -177,6 +177,23 @@ record! {
         diverged: bool,
     }
 }
+record! {
+    /// `estimator_taut`: the taut-link observer, and what its modes ask.
+    EstimatorTaut {
+        /// rad, rad/s.
+        elevation: [f32; 2],
+        /// In the plane, positive leaning away from the anchor: rad, rad/s.
+        pitch: [f32; 2],
+        /// N, positive in tension.
+        link_force: f32,
+        /// m/s².
+        residual: f32,
+        /// Azimuth minus heading rad, its rate rad/s, roll rad; zero outside the taut-link modes.
+        lateral: [f32; 3],
+        /// Elevation rad, and link force N or pitch rad; zero outside the taut-link modes.
+        reference: [f32; 2],
+    }
+}
 
 fn three<S: Scalar>(v: &V3<S>) -> [f32; 3] {
     [v.x.to_f32(), v.y.to_f32(), v.z.to_f32()]
@@ -196,6 +213,32 @@ impl SensorCombined {
             gyro_rad: three(&imu.value.gyro.0),
             accelerometer_m_s2: three(&imu.value.accel.0),
             temperature: out.sensors.imu_temperature,
+        })
+    }
+}
+
+impl EstimatorTaut {
+    /// `None` on the ground.
+    pub fn of<S: Scalar>(out: &StepOutput<S>) -> Option<Self> {
+        out.taut.as_ref().map(|taut| {
+            let x = &taut.planar;
+            let lateral = taut
+                .lateral
+                .as_ref()
+                .map_or([S::zero(); 3], |l| [l.azimuth(), l.azimuth_rate(), l.roll()]);
+            let reference = out.taut_reference.map_or([S::zero(); 2], |r| {
+                let ([phi, ..], [second, ..]) = (r.elevation, r.second);
+                [phi, second]
+            });
+            Self {
+                timestamp: out.now.0,
+                elevation: [x.elevation.to_f32(), x.elevation_rate.to_f32()],
+                pitch: [x.pitch.to_f32(), x.pitch_rate.to_f32()],
+                link_force: taut.link_force.to_f32(),
+                residual: taut.residual.to_f32(),
+                lateral: lateral.map(Scalar::to_f32),
+                reference: reference.map(Scalar::to_f32),
+            }
         })
     }
 }

@@ -76,8 +76,8 @@ params! {
         cell_empty: "BAT1_V_EMPTY" Real ["V"] = 3.4 in 2.5 ..= 4.0;
     }
     "Tether" {
-        /// Ground end: 0 = fixed length, 1 = constant-tension winch.
-        tether_kind: "TET_KIND" Int [""] = 1.0 in 0.0 ..= 1.0;
+        /// Link: 0 = cable of fixed length, 1 = cable on a constant-tension winch, 2 = strut (pushes), 3 = bar (pulls and pushes).
+        tether_kind: "TET_KIND" Int [""] = 1.0 in 0.0 ..= 3.0;
         /// Length of a fixed tether; with a winch, length paid out after take-off.
         tether_length: "TET_LENGTH" Real ["m"] = 10.0 in 1.0 ..= 200.0;
         /// Tension set-point in flight.
@@ -164,6 +164,8 @@ params! {
         rate_p: "RATE_P" Real ["1/s"] = 20.0 in 1.0 ..= 200.0;
         /// Integral of the rate error.
         rate_i: "RATE_I" Real ["1/s^2"] = 30.0 in 0.0 ..= 500.0;
+        /// Derivative of the rate error, on a low-passed gyro; 0 = off.
+        rate_d: "RATE_D" Real [""] = 0.0 in 0.0 ..= 5.0;
         /// Largest integral of the rate loop.
         rate_i_max: "RATE_I_MAX" Real ["rad/s^2"] = 20.0 in 0.0 ..= 200.0;
         /// Largest roll and pitch angle asked by the sticks.
@@ -172,6 +174,30 @@ params! {
         stick_yaw_rate: "MAN_YAW_RATE" Real ["rad/s"] = 1.0 in 0.1 ..= 5.0;
         /// Largest climb and sink rate asked by the sticks in Altitude.
         stick_climb_rate: "MAN_CLIMB_RATE" Real ["m/s"] = 1.0 in 0.1 ..= 5.0;
+    }
+    "Taut link" {
+        /// Observer speed in Taut Force: larger is slower and quieter. About 2 at 5 m, growing as length^0.3.
+        taut_epsilon_force: "TLK_EPS_FRC" Real [""] = 2.0 in 0.3 ..= 10.0;
+        /// Observer speed in Taut Attitude.
+        taut_epsilon_attitude: "TLK_EPS_ATT" Real [""] = 3.0 in 0.3 ..= 10.0;
+        /// Observer speed on a strut or bar.
+        taut_epsilon_bar: "TLK_EPS_BAR" Real [""] = 3.5 in 0.3 ..= 10.0;
+        /// Bandwidth of Taut Force: the elevation poles are this times (1, 1.5, 2, 2.5), the force poles (1, 1.5).
+        taut_force_bandwidth: "TLK_FRC_BW" Real ["rad/s"] = 1.5 in 0.2 ..= 6.0;
+        /// Bandwidth of Taut Attitude: the elevation poles are this times (0.75, 1.1, 1.5), the pitch poles (1, 1.5).
+        taut_attitude_bandwidth: "TLK_ATT_BW" Real ["rad/s"] = 1.0 in 0.2 ..= 4.0;
+        /// Bandwidth of the sideways loop; 0.8 suits a bar.
+        taut_lateral_bandwidth: "TLK_LAT_BW" Real ["rad/s"] = 1.2 in 0.1 ..= 4.0;
+        /// Sideways filter: noise of the specific force, in units of 0.5 m/s^2; 3 suits a bar.
+        taut_lateral_noise: "TLK_LAT_NOISE" Real [""] = 1.5 in 0.1 ..= 20.0;
+        /// Lowest thrust in the taut-link modes.
+        taut_thrust_min: "TLK_THR_MIN" Real ["N"] = 3.0 in 0.1 ..= 100.0;
+        /// Highest thrust in the taut-link modes, as a share of what the rotors give.
+        taut_thrust_share: "TLK_THR_SHARE" Real [""] = 0.92 in 0.3 ..= 1.0;
+        /// Lowest magnitude of the link force that a reference may ask; below, the inertial reading has no direction.
+        taut_force_min: "TLK_FRC_MIN" Real ["N"] = 2.0 in 0.1 ..= 100.0;
+        /// Time constant with which the altimeter corrects the elevation; 0 = by inertia alone.
+        taut_altimeter_tau: "TLK_ALT_TAU" Real ["s"] = 3.0 in 0.0 ..= 60.0;
     }
     "Take-off and landing" {
         /// Altitude reached when the ground station names none.

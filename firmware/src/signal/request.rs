@@ -60,6 +60,18 @@ pub enum Action {
         /// N.
         tension: Option<f32>,
     },
+    /// A smooth step in a taut-link mode: start and end of each output, `None` for where the reference
+    /// is or stays; its duration, s, or a suitable one.
+    MoveTaut {
+        /// Above the horizontal, rad.
+        elevation: [Option<f32>; 2],
+        /// Link force, N, positive in tension (Taut Force).
+        force: [Option<f32>; 2],
+        /// Pitch, rad, positive leaning away from the anchor (Taut Attitude).
+        pitch: [Option<f32>; 2],
+        /// s.
+        duration: Option<f32>,
+    },
     /// Stop where the vehicle is.
     Pause,
     /// Store a parameter. The link has checked the value.

@@ -156,7 +156,7 @@ pub const FAILSAFES: [Failsafe; 11] = [
     Failsafe {
         failure: Failure::TetherSlack,
         text: "Tether slack: descending",
-        is_present: |_, f| !f.is_taut && concerns(f.mode, |needs| needs.position),
+        is_present: |_, f| !f.is_taut && concerns(f.mode, |needs| needs.taut),
         delay: |c| c.slack_delay_us,
         action: |_| FailsafeAction::Descend,
     },

@@ -16,6 +16,10 @@ pub enum Mode {
     Land,
     /// Level and sinking; knows nothing of position or tether.
     Descent,
+    /// Elevation and link force on a taut link, by inertia.
+    TautForce,
+    /// Elevation and pitch on a taut link, by inertia.
+    TautAttitude,
 }
 
 /// What a mode cannot do without.
@@ -27,6 +31,8 @@ pub struct Needs {
     pub altitude: bool,
     /// Joystick.
     pub sticks: bool,
+    /// A taut link.
+    pub taut: bool,
 }
 
 /// One row of [`MODES`].
@@ -48,11 +54,12 @@ const fn px4(main: u32, sub: u32) -> u32 {
     (sub << 24) | (main << 16)
 }
 
-const NOTHING: Needs = Needs { position: false, altitude: false, sticks: false };
-const POSITION: Needs = Needs { position: true, altitude: true, sticks: false };
+const NOTHING: Needs = Needs { position: false, altitude: false, sticks: false, taut: false };
+const POSITION: Needs = Needs { position: true, altitude: true, taut: true, ..NOTHING };
+const TAUT: Needs = Needs { taut: true, ..NOTHING };
 
-/// All modes. The sub modes of PX4's AUTO: 2 take-off, 3 loiter, 5 return, 6 land, 11 external 1.
-pub const MODES: [ModeRule; 6] = [
+/// All modes. The sub modes of PX4's AUTO: 2 take-off, 3 loiter, 5 return, 6 land, 11 to 13 external 1 to 3.
+pub const MODES: [ModeRule; 8] = [
     ModeRule {
         mode: Mode::Stabilize,
         name: "Stabilize",
@@ -65,7 +72,7 @@ pub const MODES: [ModeRule; 6] = [
         name: "Altitude",
         custom_mode: px4(2, 0),
         aliases: &[],
-        needs: Needs { sticks: true, altitude: true, position: false },
+        needs: Needs { sticks: true, altitude: true, ..NOTHING },
     },
     ModeRule {
         mode: Mode::TetherHold,
@@ -95,13 +102,27 @@ pub const MODES: [ModeRule; 6] = [
         aliases: &[],
         needs: NOTHING,
     },
+    ModeRule {
+        mode: Mode::TautForce,
+        name: "Taut Force",
+        custom_mode: px4(4, 12),
+        aliases: &[],
+        needs: TAUT,
+    },
+    ModeRule {
+        mode: Mode::TautAttitude,
+        name: "Taut Attitude",
+        custom_mode: px4(4, 13),
+        aliases: &[],
+        needs: TAUT,
+    },
 ];
 
 impl Mode {
     /// This mode's row.
     #[must_use]
     pub const fn rule(self) -> &'static ModeRule {
-        let [stabilize, altitude, hold, takeoff, land, descent] = &MODES;
+        let [stabilize, altitude, hold, takeoff, land, descent, force, attitude] = &MODES;
         match self {
             Self::Stabilize => stabilize,
             Self::Altitude => altitude,
@@ -109,6 +130,8 @@ impl Mode {
             Self::Takeoff => takeoff,
             Self::Land => land,
             Self::Descent => descent,
+            Self::TautForce => force,
+            Self::TautAttitude => attitude,
         }
     }
 

@@ -3,6 +3,7 @@
 use super::leg::{Leg, Shape};
 use crate::frames::{V3, World};
 use crate::math::so3;
+use crate::model::LinkKind;
 use crate::param::Params;
 use crate::scalar::Scalar;
 use crate::signal::SphericalPoint;
@@ -86,7 +87,7 @@ impl<S: Scalar> Planner<S> {
     pub fn new(p: &Params) -> Self {
         let f = S::from_f32;
         Self {
-            has_winch: p.tether_kind > 0.5,
+            has_winch: LinkKind::from_parameter(p.tether_kind).has_winch(),
             near_distance: f(p.start_distance),
             climb_height: f(p.climb_altitude),
             ground_height: f(p.ground_height),

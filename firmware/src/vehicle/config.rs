@@ -1,8 +1,10 @@
 //! Parameters → configuration of every block. Made anew when a parameter changes; no state in it.
 
+use super::taut::Taut;
 use crate::control::{AttitudeLoop, ClimbLoop, Link, Mixer, PositionLoop, RateLoop, ThrustMap};
 use crate::estimate::TetherEstimator;
 use crate::math::GRAVITY;
+use crate::model::LinkKind;
 use crate::param::Params;
 use crate::scalar::Scalar;
 use crate::sense::{ImuScale, Sense};
@@ -23,6 +25,9 @@ pub(super) struct Config<S: Scalar> {
     pub failsafes: Failsafes,
     pub touch_down: TouchDown<S>,
     pub link: Link,
+    pub kind: LinkKind,
+    pub taut: Option<Taut<S>>,
+    pub mass: S,
     pub weight: S,
     pub thrust_scale: S,
     pub tether_length: S,
@@ -33,6 +38,7 @@ pub(super) struct Config<S: Scalar> {
 impl<S: Scalar> Config<S> {
     pub fn new(p: &Params, scale: ImuScale) -> Self {
         let f = S::from_f32;
+        let kind = LinkKind::from_parameter(p.tether_kind);
         let sense = Sense::new(p, scale);
         let weight = f(p.mass) * S::lit(GRAVITY);
         Self {
@@ -54,7 +60,10 @@ impl<S: Scalar> Config<S> {
             thrust_map: ThrustMap::new(p),
             failsafes: Failsafes::new(p),
             touch_down: TouchDown { weight, ground_height: f(p.ground_height) },
-            link: if p.tether_kind > 0.5 { Link::Winch } else { Link::FixedLength },
+            link: if kind.has_winch() { Link::Winch } else { Link::FixedLength },
+            kind,
+            taut: Taut::new(p),
+            mass: f(p.mass),
             weight,
             thrust_scale: f(p.thrust_scale.max(0.5)),
             tether_length: f(p.tether_length),

@@ -2,7 +2,7 @@
 
 use super::{Smoothed, Vehicle};
 use crate::control::{AttitudeCommand, Link, PositionInput, PositionState};
-use crate::frames::{Attitude, Body, V3, World};
+use crate::frames::{Attitude, V3, World};
 use crate::math::so3;
 use crate::scalar::Scalar;
 use crate::signal::{Event, EventQueue, FlightReference, Sensors, Sticks};
@@ -31,7 +31,7 @@ impl<S: Scalar> Vehicle<S> {
             self.state.position = PositionState::default();
             self.state.contact_ramp = S::one();
             self.state.touch_down = TouchDownState::default();
-            self.state.attitude = AttitudeCommand { rate: Body(V3::zeros()), thrust: S::zero() };
+            self.state.attitude = AttitudeCommand::idle();
             return;
         }
         self.slew_tension();
@@ -40,6 +40,7 @@ impl<S: Scalar> Vehicle<S> {
             Mode::Takeoff | Mode::TetherHold | Mode::Land => self.fly_position(events),
             Mode::Stabilize => self.fly_sticks(now, false),
             Mode::Altitude => self.fly_sticks(now, true),
+            Mode::TautForce | Mode::TautAttitude => self.fly_taut(sensors, events),
             Mode::Descent => self.descend(),
         }
         self.touch_down(sensors, now);
@@ -267,7 +268,7 @@ impl<S: Scalar> Vehicle<S> {
             Mode::Land => reference_is_low,
             Mode::Descent => true,
             Mode::Stabilize | Mode::Altitude => throttle < 0.05,
-            Mode::TetherHold | Mode::Takeoff => false,
+            Mode::TetherHold | Mode::Takeoff | Mode::TautForce | Mode::TautAttitude => false,
         };
         let input = TouchDownInput {
             wants_down,

@@ -16,10 +16,13 @@ mod flight;
 mod output;
 mod requests;
 mod supervise;
+mod taut;
 
 pub use output::{StepInput, StepOutput};
 
-use crate::control::{AttitudeCommand, ClimbState, PositionState, RateState};
+use crate::control::taut::TautPilotState;
+use crate::control::{AttitudeCommand, ClimbState, PositionState, RateSetpoint, RateState};
+use crate::estimate::taut::TautEstimatorState;
 use crate::estimate::{Phase, TetherEstimatorState};
 use crate::frames::{Body, V3, World};
 use crate::param::Params;
@@ -31,7 +34,7 @@ use crate::signal::{
 };
 use crate::supervisor::{FailsafeState, GroundState, Mode, TouchDownState};
 use crate::time::{INNER_DT, Micros, Sample};
-use crate::trajectory::Plan;
+use crate::trajectory::{Plan, TautPlan};
 use config::Config;
 
 /// One autopilot.
@@ -75,11 +78,23 @@ struct State<S: Scalar> {
     climb: ClimbState<S>,
     attitude: AttitudeCommand<S>,
     reference: Option<FlightReference<S>>,
+    taut: TautEstimatorState<S>,
+    /// In the taut-link modes.
+    taut_flight: Option<TautFlight<S>>,
 
     rate: RateState<S>,
     mixer: MixerReport,
     wrench: Wrench<S>,
     actuation: Actuation<S>,
+}
+
+/// What moves in a taut-link mode.
+#[derive(Clone, Copy, Debug)]
+struct TautFlight<S: Scalar> {
+    pilot: TautPilotState<S>,
+    plan: TautPlan<S>,
+    /// Elevation that the observer sees too much of, by the altimeter, rad.
+    correction: S,
 }
 
 /// Estimate behind the position loop's low-pass.
@@ -121,8 +136,10 @@ impl<S: Scalar> Vehicle<S> {
             smoothed: None,
             position: PositionState::default(),
             climb: ClimbState::default(),
-            attitude: AttitudeCommand { rate: still, thrust: S::zero() },
+            attitude: AttitudeCommand::idle(),
             reference: None,
+            taut: TautEstimatorState::default(),
+            taut_flight: None,
             rate: RateState::default(),
             mixer: MixerReport::default(),
             wrench: Wrench { thrust: S::zero(), torque: still },
@@ -160,6 +177,7 @@ impl<S: Scalar> Vehicle<S> {
             input.request.map(|request| self.handle(&request, &sensors, input.now, &mut events));
         self.supervise(&sensors, input.now, &mut events);
         if has_ticked {
+            self.observe_link();
             self.fly(&sensors, input.now, &mut events);
         }
         self.actuate(&sensors);
@@ -231,6 +249,11 @@ impl<S: Scalar> Vehicle<S> {
         } else if sensors.imu.is_some() {
             let estimate = &state.estimate;
             let pull = match (&estimate.tether, &estimate.position) {
+                // The specific force is the thrust, which has no sideways part, and the pull.
+                _ if state.taut_flight.is_some() => {
+                    let force = state.taut.estimate().map_or(V3::zeros(), |taut| taut.accel.0);
+                    Body(V3::new(force.x, force.y, S::zero()) * self.config.mass)
+                }
                 (Some(tether), Some(position))
                     if tether.is_taut && state.estimator.is_airborne() =>
                 {
@@ -240,7 +263,7 @@ impl<S: Scalar> Vehicle<S> {
                 _ => Body(V3::zeros()),
             };
             let dt = S::lit(INNER_DT);
-            let wanted = state.attitude.rate;
+            let wanted = RateSetpoint::of(&state.attitude);
             let torque = self.config.rate.step(
                 &mut state.rate,
                 &wanted,

@@ -1,6 +1,8 @@
 //! What goes in and what comes out. Log and telemetry only read [`StepOutput`].
 
 use super::Vehicle;
+use crate::control::taut::PlanarReference;
+use crate::estimate::taut::TautEstimate;
 use crate::frames::{Body, V3};
 use crate::scalar::Scalar;
 use crate::sense::RawSensors;
@@ -37,6 +39,10 @@ pub struct StepOutput<S: Scalar = f32> {
     pub estimate: Estimate<S>,
     /// In the modes that have one.
     pub reference: Option<FlightReference<S>>,
+    /// What the taut-link observer knows, in the air.
+    pub taut: Option<TautEstimate<S>>,
+    /// In the taut-link modes.
+    pub taut_reference: Option<PlanarReference<S>>,
     /// Body rates wanted, rad/s.
     pub rate_setpoint: Body<V3<S>>,
     /// Asked of the mixer.
@@ -75,6 +81,8 @@ impl<S: Scalar> Vehicle<S> {
             sensors: *sensors,
             estimate: state.estimate,
             reference: state.reference,
+            taut: state.taut.estimate().copied(),
+            taut_reference: state.taut_flight.map(|flight| flight.plan.now()),
             rate_setpoint: state.attitude.rate,
             wrench: state.wrench,
             mixer: state.mixer,

@@ -14,12 +14,12 @@ use crate::trajectory::Plan;
 const SAME_PLACE: f64 = 0.01;
 
 /// Refused, and why.
-type Refusal = (Outcome, &'static str);
+pub(super) type Refusal = (Outcome, &'static str);
 
-const fn rejected(text: &'static str) -> Refusal {
+pub(super) const fn rejected(text: &'static str) -> Refusal {
     (Outcome::Rejected, text)
 }
-const fn denied(text: &'static str) -> Refusal {
+pub(super) const fn denied(text: &'static str) -> Refusal {
     (Outcome::Denied, text)
 }
 
@@ -35,13 +35,26 @@ impl<S: Scalar> Vehicle<S> {
         let result = match request.action {
             Action::Arm { force } => self.arm(force, sensors, now, events),
             Action::Disarm { force } => self.disarm_on_request(force, events),
-            Action::SetMode(mode) => self.request_mode(mode, now),
+            Action::SetMode(mode) => self.request_mode(mode, sensors, now),
             Action::Takeoff { altitude } => self.request_takeoff(altitude),
+            Action::MoveTo { ned, .. } if self.state.mode.purpose().is_some() => {
+                self.move_taut_to(ned)
+            }
             Action::MoveTo { ned, yaw } => self.move_to(ned, yaw),
+            Action::MoveTether { elevation, tension, .. }
+                if self.state.mode.purpose().is_some() =>
+            {
+                self.move_taut([None, elevation], [None, tension], [None; 2], None)
+            }
+            Action::MoveTaut { elevation, force, pitch, duration } => {
+                self.move_taut(elevation, force, pitch, duration)
+            }
             Action::MoveTether { elevation, azimuth, length, tension } => {
                 self.move_tether([elevation, azimuth, length], tension)
             }
-            Action::Pause => self.request_mode(Mode::TetherHold, now).map(|()| self.stay()),
+            Action::Pause => {
+                self.request_mode(Mode::TetherHold, sensors, now).map(|()| self.stay())
+            }
             Action::SetParam { index, value } => {
                 parameter = Some(index);
                 self.set_param(index, value)
@@ -120,7 +133,12 @@ impl<S: Scalar> Vehicle<S> {
             .max()
     }
 
-    fn request_mode(&mut self, mode: Mode, now: Micros) -> Result<(), Refusal> {
+    fn request_mode(
+        &mut self,
+        mode: Mode,
+        sensors: &Sensors<S>,
+        now: Micros,
+    ) -> Result<(), Refusal> {
         let needs = mode.rule().needs;
         if mode == Mode::Takeoff {
             return self.request_takeoff(None);
@@ -142,6 +160,13 @@ impl<S: Scalar> Vehicle<S> {
                 }
                 _ => {}
             }
+        }
+        if let Some(purpose) = mode.purpose() {
+            return if mode == self.state.mode {
+                Ok(())
+            } else {
+                self.request_taut(purpose, sensors)
+            };
         }
         self.enter(mode);
         Ok(())
@@ -209,6 +234,18 @@ impl<S: Scalar> Vehicle<S> {
             self.state.yaw = S::from_f32(yaw);
         }
         Ok(())
+    }
+
+    /// Of a place only the elevation counts where the length is given and the azimuth held.
+    fn move_taut_to(&mut self, ned: [Option<f32>; 3]) -> Result<(), Refusal> {
+        let [_, _, Some(down)] = ned else {
+            return Err(denied("Move refused: needs an altitude"));
+        };
+        let sin = -down / self.params.tether_length;
+        if !(sin.abs() < 1.0) {
+            return Err(denied("Move refused: altitude beyond the tether"));
+        }
+        self.move_taut([None, Some(libm::asinf(sin))], [None; 2], [None; 2], None)
     }
 
     fn move_tether(

@@ -43,6 +43,15 @@ impl<S: Scalar> Vehicle<S> {
         }
     }
 
+    /// In a taut-link mode its own observer says so.
+    fn link_is_taut(&self) -> bool {
+        match self.state.taut.estimate().filter(|_| self.state.taut_flight.is_some()) {
+            _ if self.config.kind.is_rigid() => true,
+            Some(taut) => taut.link_force > S::from_f32(self.params.slack_tension),
+            None => self.state.estimate.tether.is_none_or(|tether| tether.is_taut),
+        }
+    }
+
     fn tether_is_known(&self, sensors: &Sensors<S>) -> bool {
         sensors.tether_is_fresh || self.config.link == crate::control::Link::FixedLength
     }
@@ -58,7 +67,7 @@ impl<S: Scalar> Vehicle<S> {
             imu: sensors.imu_health,
             has_diverged: self.state.estimate.has_diverged,
             altitude_is_fresh: sensors.altitude_is_fresh,
-            is_taut: self.state.estimate.tether.is_none_or(|tether| tether.is_taut),
+            is_taut: self.link_is_taut(),
             tether_is_known: self.tether_is_known(sensors),
             cell: sensors.battery.map(|battery| battery.cell.to_f32()),
             link_silence_us: self.state.link_at.map(|at| now.since(at)),
@@ -119,6 +128,8 @@ impl<S: Scalar> Vehicle<S> {
             return;
         }
         state.mode = mode;
+        self.end_taut();
+        let state = &mut self.state;
         if state.armed_at.is_none() || state.ground == GroundState::OnGround {
             return;
         }
@@ -138,7 +149,11 @@ impl<S: Scalar> Vehicle<S> {
                 state.ground = GroundState::Landing;
             }
             Mode::Descent => state.ground = GroundState::Landing,
-            Mode::Stabilize | Mode::Altitude | Mode::Takeoff => {}
+            Mode::Stabilize
+            | Mode::Altitude
+            | Mode::Takeoff
+            | Mode::TautForce
+            | Mode::TautAttitude => {}
         }
     }
 

@@ -165,6 +165,8 @@ fn describe(scenario: &Scenario, options: &Options, params: &Params) {
             params.tension, params.tether_length
         ),
         TetherKind::Fixed => format!("fixed tether of {} m", t.length),
+        TetherKind::Strut => format!("strut of {} m", t.length),
+        TetherKind::Bar => format!("bar of {} m", t.length),
     };
     let gusts = if w.gusts { " with Dryden gusts" } else { "" };
     say!(

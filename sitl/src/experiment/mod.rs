@@ -7,6 +7,7 @@ mod pictures;
 mod report;
 mod robustness;
 mod scan;
+mod taut_flight;
 
 pub use report::{Compare, Line, Picture, Report};
 
@@ -51,7 +52,7 @@ const CONFERENCE: &str = "Tognon & Franchi, ICRA 2015";
 const SPECIFICATION: &str = "Tognon & Franchi, both; our specification's tables";
 
 /// All of them.
-pub const EXPERIMENTS: [Experiment; 10] = [
+pub const EXPERIMENTS: [Experiment; 11] = [
     Experiment {
         key: "planar-nominal",
         paper: JOURNAL,
@@ -121,6 +122,13 @@ pub const EXPERIMENTS: [Experiment; 10] = [
         figure: "section 10",
         about: "the robustness tables, ours beside the reference's (a few minutes)",
         run: robustness::run,
+    },
+    Experiment {
+        key: "taut-flight",
+        paper: SPECIFICATION,
+        figure: "flight, section 7",
+        about: "the taut-link modes on the whole quadrotor, 20 seeds a row (a minute)",
+        run: taut_flight::run,
     },
 ];
 

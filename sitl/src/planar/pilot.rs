@@ -4,7 +4,7 @@ use super::scenario::{
     BranchChoice, Feedback, InversionKind, LawKind, PlanarScenario, Residual, SmoothKind,
     UpdateKind,
 };
-use tautline_firmware::control::link::{
+use tautline_firmware::control::taut::{
     ElevationAttitude, ElevationAttitudeStatic, ElevationForce, Inversion, Law, PlanarLoop,
     PlanarLoopSettings, PlanarReference, ThrustLimits,
 };

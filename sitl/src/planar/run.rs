@@ -5,7 +5,7 @@ use super::pilot::{Pilot, Plan, flat_start, models};
 use super::scenario::{Feedback, LawKind, PlanarScenario};
 use super::{PlanarPlant, PlanarPlantModel};
 use crate::plant::{generator, normal};
-use tautline_firmware::control::link::{PlanarInput, PlanarLoop, PlanarLoopState};
+use tautline_firmware::control::taut::{PlanarInput, PlanarLoop, PlanarLoopState};
 use tautline_firmware::math::wrap_pi;
 use tautline_firmware::model::{PlanarImu, PlanarState};
 

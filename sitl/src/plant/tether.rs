@@ -1,4 +1,4 @@
-//! The tether: pulls, never pushes. At a fixed length a unilateral spring and damper; on a winch a
+//! The tether: pulls, never pushes; or a strut, which only pushes, or a bar, which does both. At a fixed length a unilateral spring and damper; on a winch a
 //! tension with lag, friction, ripple and a slow error. Half its weight and a third of its drag hang on
 //! the vehicle.
 
@@ -40,6 +40,10 @@ pub struct TetherModel {
     pub diameter: f64,
     /// Attachment below the centre of mass, m.
     pub attachment: f64,
+    /// A cable pulls.
+    pub pulls: bool,
+    /// A strut or bar pushes.
+    pub pushes: bool,
     /// Cut: nothing pulls.
     pub is_broken: bool,
 }
@@ -47,7 +51,7 @@ pub struct TetherModel {
 /// State.
 #[derive(Clone, Debug)]
 pub struct Tether {
-    /// Pull along the line, N.
+    /// Pull along the line, N; negative where a bar pushes.
     pub tension: f64,
     /// Distance of the attachment from the anchor, m.
     pub distance: f64,
@@ -122,10 +126,13 @@ impl Tether {
 }
 
 fn elastic(model: &TetherModel, length: f64, stretch: f64, outward: f64) -> f64 {
-    if stretch <= 0.0 {
+    if stretch <= 0.0 && !model.pushes || stretch >= 0.0 && !model.pulls {
         return 0.0;
     }
     let k = model.stiffness / length;
     let damping = 2.0 * model.damping_ratio * (k * model.reference_mass).sqrt();
-    (k * stretch + damping * outward).max(0.0)
+    let force = k * stretch + damping * outward;
+    let low = if model.pushes { f64::NEG_INFINITY } else { 0.0 };
+    let high = if model.pulls { f64::INFINITY } else { 0.0 };
+    force.clamp(low, high)
 }

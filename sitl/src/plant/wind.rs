@@ -1,7 +1,7 @@
 //! Steady wind with Dryden gusts, MIL-F-8785C, low altitude. Heights in feet and speeds in m/s, as the
 //! scale lengths want them.
 
-use super::{V3, normal};
+use super::{V3, normal, uniform};
 use rand_pcg::Pcg64Mcg;
 
 /// Turbulence.
@@ -22,6 +22,8 @@ pub struct WindModel {
     pub from: f64,
     /// Turbulence.
     pub gusts: Gusts,
+    /// Peak of the recurring gust, m/s; zero: none.
+    pub pulse: f64,
 }
 
 /// Filters of the three components: along, across, down.
@@ -30,8 +32,45 @@ pub struct Wind {
     along: f64,
     across: [f64; 2],
     down: [f64; 2],
+    pulse: Pulse,
     /// Air velocity at the vehicle, NED, m/s.
     pub velocity: V3,
+}
+
+/// A gust of 1-cos shape that comes again and again, each time from another side, with turbulence.
+#[derive(Clone, Debug, Default)]
+struct Pulse {
+    time: f64,
+    towards: V3,
+    turbulence: V3,
+}
+
+/// Duration and period of the recurring gust, s; share and correlation time of its turbulence.
+const PULSE_LENGTH: f64 = 3.0;
+const PULSE_PERIOD: f64 = 5.0;
+const PULSE_TURBULENCE: f64 = 0.2;
+const PULSE_CORRELATION: f64 = 1.0;
+
+impl Pulse {
+    fn step(&mut self, peak: f64, dt: f64, rng: &mut Pcg64Mcg) -> V3 {
+        self.time -= dt;
+        if self.time <= 0.0 {
+            self.time = PULSE_PERIOD;
+            let (sin, cos) = (uniform(rng) * std::f64::consts::PI).sin_cos();
+            self.towards = V3::new(cos, sin, 0.0);
+        }
+        let keep = (-dt / PULSE_CORRELATION).exp();
+        let kick = PULSE_TURBULENCE * peak * (1.0 - keep * keep).sqrt();
+        let noise = V3::new(normal(rng), normal(rng), normal(rng));
+        self.turbulence = self.turbulence * keep + noise * kick;
+        let into = PULSE_PERIOD - self.time;
+        let shape = if into < PULSE_LENGTH {
+            0.5 * (1.0 - (std::f64::consts::TAU * into / PULSE_LENGTH).cos())
+        } else {
+            0.0
+        };
+        self.towards * (peak * shape) + self.turbulence
+    }
 }
 
 const FEET_PER_METRE: f64 = 3.280_84;
@@ -48,6 +87,9 @@ impl Wind {
         if model.gusts == Gusts::Dryden && model.speed > 0.0 {
             let (u, v, w) = self.gust(model.speed, height, dt, rng);
             self.velocity += along * u + across * v + V3::new(0.0, 0.0, w);
+        }
+        if model.pulse > 0.0 {
+            self.velocity += self.pulse.step(model.pulse, dt, rng);
         }
         self.velocity
     }

@@ -16,6 +16,11 @@ impl Scenario {
             TetherKind::Winch => self.tether.start_distance,
             // Just short of taut, as an operator lays it out.
             TetherKind::Fixed => (self.tether.length.powi(2) - height.powi(2)).sqrt() - 0.02,
+            // A rigid link is as long as it is.
+            TetherKind::Strut | TetherKind::Bar => {
+                let end = height - self.tether.attachment;
+                (self.tether.length.powi(2) - end.powi(2)).sqrt()
+            }
         };
         (distance, self.vehicle.heading)
     }
@@ -60,12 +65,15 @@ impl Scenario {
                 line_density: t.line_density,
                 diameter: t.diameter,
                 attachment: t.attachment,
+                pulls: t.kind != TetherKind::Strut,
+                pushes: matches!(t.kind, TetherKind::Strut | TetherKind::Bar),
                 is_broken: false,
             },
             wind: WindModel {
                 speed: self.wind.speed,
                 from: self.wind.from.unwrap_or(from),
                 gusts: if self.wind.gusts { Gusts::Dryden } else { Gusts::None },
+                pulse: self.wind.pulse,
             },
             ground: GroundModel {
                 leg_height: v.leg_height,
@@ -114,7 +122,7 @@ impl Scenario {
             ("MOT_TAU", v.rotor_time_constant),
             ("TPC_THR_MAX", 3.5 * rotor_max),
             ("BAT1_N_CELLS", self.battery.cells),
-            ("TET_KIND", if t.kind == TetherKind::Winch { 1.0 } else { 0.0 }),
+            ("TET_KIND", t.kind.parameter()),
             ("TET_LENGTH", t.length),
             ("TET_LIN_DENS", t.line_density),
             ("TET_START_DIST", t.start_distance),

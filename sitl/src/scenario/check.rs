@@ -44,6 +44,7 @@ impl Scenario {
             ("tether.winch_ripple", t.winch_ripple, 0.0, 20.0),
             ("tether.winch_length_max", t.winch_length_max, 1.0, 500.0),
             ("wind.speed", w.speed, 0.0, 25.0),
+            ("wind.pulse", w.pulse, 0.0, 25.0),
             ("wind.from", w.from.unwrap_or(0.0), -6.3, 6.3),
             ("sensors.gyro_noise_density", s.gyro_noise_density, 0.0, 0.1),
             ("sensors.accel_noise_density", s.accel_noise_density, 0.0, 1.0),
@@ -76,7 +77,12 @@ impl Scenario {
                 Step::Takeoff { altitude } => ("altitude", *altitude, 0.5, 200.0),
                 Step::Hold { seconds } => ("seconds", *seconds, 0.0, 1e6),
                 Step::AwaitDisarmed { timeout } => ("timeout", *timeout, 0.0, 1e6),
-                Step::Arm | Step::Land | Step::Move { .. } => continue,
+                Step::TautMove { duration, .. } => ("duration", *duration, 0.0, 1e6),
+                Step::Arm
+                | Step::Land
+                | Step::TetherHold
+                | Step::Taut { .. }
+                | Step::Move { .. } => continue,
             };
             within(&format!("mission[{i}].{key}"), value, min, max)?;
         }

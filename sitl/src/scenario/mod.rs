@@ -9,8 +9,8 @@ pub(crate) use check::within;
 mod sections;
 
 pub use sections::{
-    BatterySection, FaultKind, FaultSection, SensorSection, Step, TetherKind, TetherSection,
-    VehicleSection, WindSection,
+    BatterySection, FaultKind, FaultSection, SensorSection, Step, TautControl, TetherKind,
+    TetherSection, VehicleSection, WindSection,
 };
 
 use serde::{Deserialize, Serialize};

@@ -72,13 +72,30 @@ pub enum TetherKind {
     Winch,
     /// Fixed length.
     Fixed,
+    /// Rigid, pushes.
+    Strut,
+    /// Rigid, pulls and pushes.
+    Bar,
+}
+
+impl TetherKind {
+    /// As the firmware's parameter.
+    #[must_use]
+    pub fn parameter(self) -> f64 {
+        match self {
+            Self::Fixed => 0.0,
+            Self::Winch => 1.0,
+            Self::Strut => 2.0,
+            Self::Bar => 3.0,
+        }
+    }
 }
 
 /// `[tether]`.
 #[derive(Clone, Debug, Deserialize, Serialize, PartialEq)]
 #[serde(default, deny_unknown_fields)]
 pub struct TetherSection {
-    /// winch or fixed.
+    /// winch, fixed, strut or bar.
     pub kind: TetherKind,
     /// Length when fixed, m.
     pub length: f64,
@@ -136,6 +153,9 @@ pub struct WindSection {
     pub from: Option<f64>,
     /// Dryden turbulence on top.
     pub gusts: bool,
+    /// Peak of a gust of 1-cos shape, 3 s long, every 5 s, each from another side, m/s; a fifth of it as
+    /// turbulence on top.
+    pub pulse: f64,
 }
 
 /// `[sensors]`: standard deviations and densities; zero everything for ideal sensors.
@@ -258,6 +278,16 @@ pub struct FaultSection {
     pub value: f64,
 }
 
+/// What a taut-link mode controls beside the elevation.
+#[derive(Clone, Copy, Debug, Deserialize, Serialize, PartialEq, Eq)]
+#[serde(rename_all = "lowercase")]
+pub enum TautControl {
+    /// Link force.
+    Force,
+    /// Pitch.
+    Attitude,
+}
+
 /// `[[mission]]`: one step of the built-in pilot.
 #[derive(Clone, Debug, Deserialize, Serialize, PartialEq)]
 #[serde(tag = "do", rename_all = "snake_case", deny_unknown_fields)]
@@ -289,6 +319,24 @@ pub enum Step {
         #[serde(default)]
         tension: Option<f64>,
     },
+    /// Change to a taut-link mode and wait until it flies.
+    Taut {
+        /// What it controls.
+        control: TautControl,
+    },
+    /// A smooth step in a taut-link mode; wait until it is flown.
+    TautMove {
+        /// From, to, rad.
+        elevation: [f64; 2],
+        /// Link force, N, or pitch, rad: from, to.
+        second: [f64; 2],
+        /// Which of the two.
+        control: TautControl,
+        /// s.
+        duration: f64,
+    },
+    /// Back to Tether Hold.
+    TetherHold,
     /// Land and wait until disarmed.
     Land,
     /// Wait until disarmed, whatever the reason.

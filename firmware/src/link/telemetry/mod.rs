@@ -79,7 +79,11 @@ fn standard_mode(mode: Mode) -> mav::MavStandardMode {
         Mode::Altitude => M::MAV_STANDARD_MODE_ALTITUDE_HOLD,
         Mode::Land => M::MAV_STANDARD_MODE_LAND,
         Mode::Takeoff => M::MAV_STANDARD_MODE_TAKEOFF,
-        Mode::Stabilize | Mode::TetherHold | Mode::Descent => M::MAV_STANDARD_MODE_NON_STANDARD,
+        Mode::Stabilize
+        | Mode::TetherHold
+        | Mode::Descent
+        | Mode::TautForce
+        | Mode::TautAttitude => M::MAV_STANDARD_MODE_NON_STANDARD,
     }
 }
 

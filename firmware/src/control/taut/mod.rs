@@ -3,19 +3,23 @@
 //!
 //! [`ElevationAttitudeStatic`] (Γa), [`ElevationAttitude`] (Γa', thrust rate as input) and
 //! [`ElevationForce`] (Γb, thrust acceleration as input) are pure; [`ThrustState`] integrates what they
-//! ask; [`PlanarLoop`] joins one of them to the high-gain observer.
+//! ask; [`PlanarLoop`] joins one of them to the high-gain observer; [`TautPilot`] flies one of them in
+//! three dimensions.
 
 mod elevation_attitude;
 mod elevation_force;
 mod inversion;
+mod law;
+mod pilot;
 mod planar_loop;
 mod thrust_state;
 
 pub use elevation_attitude::{ElevationAttitude, ElevationAttitudeStatic};
 pub use elevation_force::{ElevationForce, ForceOutputs};
 pub use inversion::Inversion;
+pub use law::{Law, PlanarReference};
+pub use pilot::{TautPilot, TautPilotState};
 pub use planar_loop::{
-    Acting, Law, PlanarCommand, PlanarInput, PlanarLoop, PlanarLoopSettings, PlanarLoopState,
-    PlanarReference,
+    Acting, PlanarCommand, PlanarInput, PlanarLoop, PlanarLoopSettings, PlanarLoopState,
 };
 pub use thrust_state::{Applied, ThrustLimits, ThrustState};

@@ -39,7 +39,7 @@ pub struct Applied<S> {
 impl<S: Scalar> ThrustLimits<S> {
     /// # Errors
     /// [`Invalid`] naming the limit.
-    pub(super) fn check(&self) -> Result<(), Invalid> {
+    pub(crate) fn check(&self) -> Result<(), Invalid> {
         require("thrust_min", "finite", self.min, |_| true)?;
         require("thrust_max", "finite and above thrust_min", self.max, |x| x > self.min)?;
         not_negative("thrust_rate_max", self.rate)?;

@@ -1,29 +1,11 @@
 //! One observer and one controller on a taut link, stepped together. `planar` sections 6 and 7.
 
-use super::{ElevationAttitude, ElevationForce, ThrustLimits, ThrustState};
+use super::{Law, PlanarReference, ThrustLimits, ThrustState};
 use crate::estimate::high_gain::{HighGain, HighGainInput, HighGainState};
 use crate::fault::{Fault, Invalid, not_negative};
 use crate::math::filter::decay;
 use crate::model::{PlanarImu, PlanarState};
 use crate::scalar::Scalar;
-
-/// Which outputs are controlled.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Law<S> {
-    /// Elevation and pitch, Γa'.
-    Attitude(ElevationAttitude<S>),
-    /// Elevation and link force, Γb.
-    Force(ElevationForce<S>),
-}
-
-/// References with derivatives. What the law does not use is ignored.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PlanarReference<S> {
-    /// Elevation, rad, to its fourth derivative.
-    pub elevation: [S; 5],
-    /// Pitch, rad, or link force, N, to its second derivative.
-    pub second: [S; 3],
-}
 
 /// Settings apart from observer and law.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -177,24 +159,12 @@ impl<S: Scalar> PlanarLoop<S> {
 
         let is_held = next.time < self.hold_off;
         let limits = self.limits.as_ref();
-        let [phi, phi1, phi2, phi3, _] = reference.elevation;
-        let (applied, torque) = match &self.law {
-            _ if is_held => {
-                next.thrust.rate = S::zero();
-                (next.thrust.advance_rate(S::zero(), dt, limits), S::zero())
-            }
-            Law::Attitude(law) => {
-                let y1 = [phi, phi1, phi2, phi3];
-                let (rate, torque) = law.step(&x, next.thrust.thrust, &y1, &reference.second)?;
-                (next.thrust.advance_rate(rate, dt, limits), torque)
-            }
-            Law::Force(law) => {
-                let (accel, torque) =
-                    law.step(&x, &next.thrust, &reference.elevation, &reference.second)?;
-                (next.thrust.advance_accel(accel, dt, limits), torque)
-            }
+        let (applied, torque) = if is_held {
+            next.thrust.rate = S::zero();
+            (next.thrust.advance_rate(S::zero(), dt, limits), S::zero())
+        } else {
+            self.law.advance(&mut next.thrust, &x, reference, dt, limits)?
         };
-        let torque = limits.map_or(torque, |l| torque.limit_abs(l.torque));
         next.applied = applied.thrust;
         next.mean_rate = applied.mean_rate;
         next.time += dt;
