@@ -4,6 +4,7 @@
 
 use tautline_sitl::experiment::{Ask, Report, find};
 use tautline_sitl::planar::{Feedback, LawKind, PlanarScenario, fly};
+use tautline_sitl::settings::set;
 
 fn report(key: &str, sets: &[(&str, &str)]) -> Report {
     let sets = sets.iter().map(|(path, value)| ((*path).into(), (*value).into())).collect();
@@ -66,7 +67,7 @@ fn bad_planar_scenarios_are_refused_by_the_name_of_the_setting() {
         ("rate_hz", "nan", "rate_hz"),
     ];
     for (path, value, named) in bad {
-        let s = PlanarScenario::default().set(path, value).unwrap();
+        let s = set(&PlanarScenario::default(), path, value).unwrap();
         let error = fly(&s, 1).unwrap_err();
         assert!(error.contains(named), "{path} = {value}: {error}");
     }

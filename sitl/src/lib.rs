@@ -22,6 +22,7 @@ pub mod record;
 pub mod report;
 pub mod scenario;
 pub mod sensor;
+pub mod settings;
 pub mod taut_metrics;
 pub mod udp;
 pub mod world;

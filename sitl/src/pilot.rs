@@ -33,6 +33,17 @@ fn taut_mode(control: TautControl) -> Mode {
     }
 }
 
+/// The taut-link reference, if it rests.
+fn taut_rest(out: &StepOutput) -> Option<(f64, f64)> {
+    let r = out.taut_reference?;
+    let ([phi, phi1, ..], [y, y1, _]) = (r.elevation, r.second);
+    (phi1.abs() < 1e-6 && y1.abs() < 1e-6).then_some((f64::from(phi), f64::from(y)))
+}
+
+fn is_at(x: f64, wanted: f64) -> bool {
+    (x - wanted).abs() < 1e-3
+}
+
 /// Parameters of DO_SET_MODE: custom mode, then PX4's main and sub mode.
 fn set_mode(p: &mut [f32; 7], mode: Mode) {
     let custom = mode.rule().custom_mode;
@@ -138,9 +149,9 @@ impl Pilot {
                 self.commanded_at.is_some() && waited > 2.0 && rests
             }
             Step::Taut { control } => out.mode == taut_mode(*control),
-            Step::TautMove { duration, .. } => {
-                let rests = out.taut_reference.is_some_and(|r| r.elevation[1].abs() < 1e-6);
-                self.commanded_at.is_some() && waited > *duration && rests
+            Step::TautMove { elevation: [_, to], second: [_, second], duration, .. } => {
+                waited > *duration
+                    && taut_rest(out).is_some_and(|(phi, y)| is_at(phi, *to) && is_at(y, *second))
             }
             Step::TetherHold => out.mode == Mode::TetherHold,
             Step::Land | Step::AwaitDisarmed { .. } => !out.is_armed,
@@ -191,7 +202,9 @@ impl Pilot {
                 MavCmd::MAV_CMD_DO_SET_MODE
             }
             Step::TautMove { elevation: [from, to], second: [y_from, y_to], control, duration } => {
-                if self.commanded_at.is_some() {
+                // Again until it is accepted and flown.
+                let is_there = |(phi, y)| is_at(phi, *to) && is_at(y, *y_to);
+                if taut_rest(out).is_none_or(is_there) {
                     return false;
                 }
                 let is_force = *control == TautControl::Force;

@@ -181,7 +181,7 @@ params! {
         /// Observer speed in Taut Attitude.
         taut_epsilon_attitude: "TLK_EPS_ATT" Real [""] = 3.0 in 0.3 ..= 10.0;
         /// Observer speed on a strut or bar.
-        taut_epsilon_bar: "TLK_EPS_BAR" Real [""] = 3.5 in 0.3 ..= 10.0;
+        taut_epsilon_bar: "TLK_EPS_BAR" Real [""] = 3.2 in 0.3 ..= 10.0;
         /// Bandwidth of Taut Force: the elevation poles are this times (1, 1.5, 2, 2.5), the force poles (1, 1.5).
         taut_force_bandwidth: "TLK_FRC_BW" Real ["rad/s"] = 1.5 in 0.2 ..= 6.0;
         /// Bandwidth of Taut Attitude: the elevation poles are this times (0.75, 1.1, 1.5), the pitch poles (1, 1.5).
@@ -197,7 +197,7 @@ params! {
         /// Lowest magnitude of the link force that a reference may ask; below, the inertial reading has no direction.
         taut_force_min: "TLK_FRC_MIN" Real ["N"] = 2.0 in 0.1 ..= 100.0;
         /// Time constant with which the altimeter corrects the elevation; 0 = by inertia alone.
-        taut_altimeter_tau: "TLK_ALT_TAU" Real ["s"] = 3.0 in 0.0 ..= 60.0;
+        taut_altimeter_tau: "TLK_ALT_TAU" Real ["s"] = 1.5 in 0.0 ..= 60.0;
     }
     "Take-off and landing" {
         /// Altitude reached when the ground station names none.

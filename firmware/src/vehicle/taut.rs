@@ -17,7 +17,7 @@ use crate::trajectory::{TautBounds, TautPlan};
 /// The nose may be this far from the plane of the link at entry, rad.
 const NOSE_MAX: f64 = 0.35;
 /// A stated start may be this far from the estimate: rad; N, or rad of pitch.
-const START_ELEVATION: f64 = 0.15;
+const START_ELEVATION: f64 = 0.2;
 const START_FORCE: f64 = 2.0;
 const START_PITCH: f64 = 0.15;
 /// Set-points closer than this are the same.

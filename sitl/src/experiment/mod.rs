@@ -12,6 +12,7 @@ mod taut_flight;
 pub use report::{Compare, Line, Picture, Report};
 
 use crate::planar::PlanarScenario;
+use crate::settings;
 
 /// One reproduced result.
 #[derive(Clone, Copy)]
@@ -43,7 +44,7 @@ impl Ask {
     /// # Errors
     /// One line naming the setting.
     pub fn planar(&self, base: PlanarScenario) -> Result<PlanarScenario, String> {
-        self.sets.iter().try_fold(base, |s, (path, value)| s.set(path, value))
+        self.sets.iter().try_fold(base, |s, (path, value)| settings::set(&s, path, value))
     }
 }
 

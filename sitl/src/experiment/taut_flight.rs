@@ -5,6 +5,7 @@ use crate::flight::Flight;
 use crate::parallel;
 use crate::pilot::Progress;
 use crate::scenario::{Scenario, Step, TautControl, TetherKind};
+use crate::settings;
 use crate::taut_metrics::TautSummary;
 
 /// Vehicle, sensors and parameters of every row.
@@ -27,8 +28,12 @@ struct Row {
     control: TautControl,
     elevation: [f64; 2],
     second: [f64; 2],
+    /// Where Tether Hold, which keeps a larger thrust reserve, hands over.
+    begin: f64,
     duration: f64,
     hold: f64,
+    /// On a bar: not judged after the crossing, s.
+    settle: f64,
     /// Peak of the gusts, m/s; steady wind from the anchor's side, m/s.
     gust: f64,
     wind: f64,
@@ -56,8 +61,10 @@ const FORCE: Row = Row {
     control: TautControl::Force,
     elevation: [45.0, 75.0],
     second: [6.0, 10.0],
+    begin: 6.0,
     duration: 5.0,
     hold: 5.0,
+    settle: 0.0,
     gust: 0.0,
     wind: 0.0,
     thrust: None,
@@ -69,15 +76,17 @@ const ATTITUDE: Row = Row {
     name: "Γa' 45 to 75 deg, pitch 20 to 7 deg, still",
     control: TautControl::Attitude,
     second: [20.0, 7.0],
+    begin: 14.0,
     limits: limits(0.0, [3.5, 8.0], [0.8, 2.1]),
     ..FORCE
 };
 const BAR: Row = Row {
-    name: "bar, 45 deg, 10 s at -3 N, still",
+    name: "bar, 45 deg, 10 s at -3 N, from 5 s after the crossing",
     elevation: [45.0, 45.0],
     second: [6.0, -3.0],
     duration: 1.5,
-    hold: 10.0,
+    hold: 15.0,
+    settle: 5.0,
     kind: TetherKind::Bar,
     limits: limits(1.0, [7.0, 15.0], [0.3, 0.6]),
     ..FORCE
@@ -91,6 +100,7 @@ fn rows() -> Vec<Row> {
             name: "Γb 60 to 30 deg, 10 to 6 N, still",
             elevation: [60.0, 30.0],
             second: [10.0, 6.0],
+            begin: 7.0,
             ..FORCE
         },
         Row {
@@ -104,6 +114,7 @@ fn rows() -> Vec<Row> {
             name: "Γa' 60 to 30 deg, pitch 10 to 25 deg, still",
             elevation: [60.0, 30.0],
             second: [10.0, 25.0],
+            begin: 10.0,
             ..ATTITUDE
         },
         Row {
@@ -117,12 +128,20 @@ fn rows() -> Vec<Row> {
             name: "Γa' 60 to 30 deg, pitch 10 to 25 deg, gusts of 2 m/s",
             elevation: [60.0, 30.0],
             second: [10.0, 25.0],
+            begin: 10.0,
             gust: 2.0,
             thrust: Some(-1.0),
             limits: gusty,
             ..ATTITUDE
         },
         BAR,
+        Row {
+            name: "bar, 45 deg, +6 to -3 N and 12 s, from 1 s after the crossing",
+            hold: 12.0,
+            settle: 1.0,
+            limits: None,
+            ..BAR
+        },
         Row { name: "Γb 45 to 75 deg, gusts of 5 m/s", gust: 5.0, limits: None, ..FORCE },
         Row { name: "Γb 45 to 75 deg, steady wind of 3 m/s", wind: 3.0, limits: None, ..FORCE },
         Row {
@@ -161,11 +180,11 @@ fn scenario(row: &Row, seed: u64) -> Result<Scenario, String> {
     // What the firmware believes of its thrust is wrong, not the thrust.
     let error = row.thrust.map_or(sign(0) * THRUST_ERROR, |percent| percent / 100.0);
     s.params.insert("THR_SCALE".into(), (1.0 - error) as f32);
-    s.params.insert("TLK_ALT_TAU".into(), if row.altimeter { 3.0 } else { 0.0 });
+    s.params.insert("TLK_ALT_TAU".into(), if row.altimeter { 1.5 } else { 0.0 });
     let tension = match row.control {
-        TautControl::Force => second_from + sign(2) * START_FORCE,
-        // The tension that the plan's first pitch implies.
-        TautControl::Attitude => attitude_tension(s.vehicle.mass, from, second_from),
+        TautControl::Force => row.begin + sign(2) * START_FORCE,
+        // The tension at which it hangs with the plan's first pitch.
+        TautControl::Attitude => attitude_tension(s.vehicle.mass, start, row.begin),
     };
     s.params.insert("TET_TENSION".into(), tension as f32);
     let (rad, unit) = (f64::to_radians, |y: f64| match row.control {
@@ -183,10 +202,13 @@ fn scenario(row: &Row, seed: u64) -> Result<Scenario, String> {
         Step::Takeoff { altitude: s.tether.length * start.to_radians().sin() },
         Step::Hold { seconds: 6.0 },
         Step::Taut { control: row.control },
-        step([from, from], [second_from, second_from], REST),
-        step([from, to], [second_from, second_to], row.duration),
-        Step::Hold { seconds: row.hold },
+        step([from, from], [row.begin, row.begin], REST),
     ];
+    if row.begin.to_bits() != second_from.to_bits() {
+        s.mission.push(step([from, from], [row.begin, second_from], REST));
+    }
+    s.mission.push(step([from, to], [second_from, second_to], row.duration));
+    s.mission.push(Step::Hold { seconds: row.hold });
     Ok(s)
 }
 
@@ -198,12 +220,14 @@ fn attitude_tension(mass: f64, elevation: f64, pitch: f64) -> f64 {
 }
 
 /// One flight: why lost, if lost, and the figures.
-fn fly(row: &Row, seed: u64) -> Result<(Option<String>, Option<TautSummary>), String> {
-    let s = scenario(row, seed)?;
+fn fly(row: &Row, ask: &Ask, seed: u64) -> Result<(Option<String>, Option<TautSummary>), String> {
+    let own = scenario(row, seed)?;
+    let mut sets = ask.sets.iter().filter(|(path, _)| path != "seeds");
+    let s = sets.try_fold(own, |s, (path, value)| settings::set(&s, path, value))?;
     let params = s.params().map_err(|e| e.0)?;
     let mut flight = Flight::new(&s, params, seed, std::io::sink()).map_err(|e| e.0)?;
     if row.kind == TetherKind::Bar {
-        flight.metrics.taut.settling = REST + row.duration + 1.0;
+        flight.metrics.taut.settling = REST + row.duration + row.settle;
     }
     flight.fly(LONGEST);
     let summary = flight.metrics.summary();
@@ -211,7 +235,10 @@ fn fly(row: &Row, seed: u64) -> Result<(Option<String>, Option<TautSummary>), St
         (Some(why), _) => Some(why.to_owned()),
         (None, Progress::Done) => None,
         (None, Progress::Failed(why)) => Some(why.clone()),
-        (None, Progress::Flying) => Some("not finished".into()),
+        (None, Progress::Flying) => {
+            let last = flight.events.last().map_or("", |(_, event)| event.text);
+            Some(format!("not finished; last heard: {last}"))
+        }
     };
     Ok((lost, summary.taut))
 }
@@ -220,16 +247,13 @@ fn fly(row: &Row, seed: u64) -> Result<(Option<String>, Option<TautSummary>), St
 pub fn run(ask: &Ask) -> Result<Report, String> {
     let mut seeds = SEEDS;
     for (path, value) in &ask.sets {
-        match path.as_str() {
-            "seeds" => {
-                seeds = value.parse().map_err(|_| format!("seeds = {value}: not a count"))?
-            }
-            _ => return Err(format!("{path}: no such setting; there is seeds")),
+        if path == "seeds" {
+            seeds = value.parse().map_err(|_| format!("seeds = {value}: not a count"))?;
         }
     }
     let mut report = Report::default();
     for row in rows() {
-        fly_row(&row, ask.seed, seeds, &mut report)?;
+        fly_row(&row, ask, seeds, &mut report)?;
     }
     report.notes.push(format!(
         "Worst of {seeds} seeds, each with its own start error (5 deg, 1 N), thrust error (1 %), gyro bias \
@@ -238,9 +262,9 @@ pub fn run(ask: &Ask) -> Result<Report, String> {
     Ok(report)
 }
 
-fn fly_row(row: &Row, first: u64, seeds: u64, report: &mut Report) -> Result<(), String> {
-    let numbers: Vec<u64> = (first..first + seeds).collect();
-    let flown = parallel::map(&numbers, parallel::cores(), |&seed| fly(row, seed), |_| {});
+fn fly_row(row: &Row, ask: &Ask, seeds: u64, report: &mut Report) -> Result<(), String> {
+    let numbers: Vec<u64> = (ask.seed..ask.seed + seeds).collect();
+    let flown = parallel::map(&numbers, parallel::cores(), |&seed| fly(row, ask, seed), |_| {});
     let mut lost = 0.0;
     let mut worst = [0.0_f64; 4];
     for (seed, outcome) in numbers.iter().zip(flown) {

@@ -400,36 +400,4 @@ impl PlanarScenario {
     pub fn end(&self) -> f64 {
         self.reference.start + self.reference.duration + self.reference.hold
     }
-
-    /// Changes one number by its path, as `--set` does. The value is TOML.
-    ///
-    /// # Errors
-    /// One line naming path or value.
-    pub fn set(&self, path: &str, value: &str) -> Result<Self, String> {
-        let mut table = toml::Value::try_from(self).map_err(|e| e.to_string())?;
-        let value: toml::Value = toml::from_str::<toml::Table>(&format!("x = {value}"))
-            .ok()
-            .and_then(|mut t| t.remove("x"))
-            .or_else(|| {
-                toml::from_str::<toml::Table>(&format!("x = {value:?}"))
-                    .ok()
-                    .and_then(|mut t| t.remove("x"))
-            })
-            .ok_or_else(|| format!("{path} = {value}: not a value"))?;
-        let unknown = || format!("{path}: no such setting");
-        let (parents, leaf) = match path.rsplit_once('.') {
-            Some((parents, leaf)) => (Some(parents), leaf),
-            None => (None, path),
-        };
-        let mut at = &mut table;
-        for key in parents.into_iter().flat_map(|p| p.split('.')) {
-            at = at.get_mut(key).ok_or_else(unknown)?;
-        }
-        let slot = at.get_mut(leaf).ok_or_else(unknown)?;
-        *slot = match (&slot, value) {
-            (toml::Value::Float(_), toml::Value::Integer(i)) => toml::Value::Float(i as f64),
-            (_, value) => value,
-        };
-        table.try_into().map_err(|e| format!("{path}: {}", e.to_string().replace('\n', " ")))
-    }
 }

@@ -121,7 +121,9 @@ impl<S: Scalar> LateralFilter<S> {
         let mut correction = Correction::new(&mut covariance);
         correction.row(&row, innovation, self.variance);
         let x = next + correction.finish();
-        if x.iter().all(|v| v.is_finite()) {
+        // The plane is unstable in compression: an asymmetry that rounding leaves would grow with it.
+        let covariance = (covariance + covariance.transpose()) * S::lit(0.5);
+        if x.iter().chain(covariance.iter()).all(|v| v.is_finite()) {
             *state = LateralState { x, covariance };
         }
     }
