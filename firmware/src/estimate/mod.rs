@@ -21,6 +21,7 @@ mod start_up;
 pub mod taut;
 mod tether;
 mod thrust_model;
+mod thrust_scale;
 mod velocity;
 mod vertical;
 
@@ -30,5 +31,6 @@ pub use mahony::{Mahony, MahonyState};
 pub use start_up::{LevelState, Leveller};
 pub use tether::{Phase, TetherEstimator, TetherEstimatorState};
 pub use thrust_model::{ThrustModel, ThrustModelState};
+pub use thrust_scale::{Calibrated, ThrustCalibration, ThrustCalibrationState};
 pub use velocity::{VelocityFilter, VelocityState};
 pub use vertical::{VerticalFilter, VerticalState};

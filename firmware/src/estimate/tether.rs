@@ -105,6 +105,7 @@ impl<S: Scalar> TetherEstimator<S> {
         let distance = if has_winch {
             p.start_distance
         } else {
+            // Also from a slack start: the filter begins when the link has become taut.
             libm::sqrtf((p.tether_length * p.tether_length - ground * ground).max(0.01))
         };
         let (sin, cos) = S::from_f32(p.start_heading).sin_cos();
@@ -288,6 +289,14 @@ impl<S: Scalar> TetherEstimator<S> {
         if rising || state.lift_steps > START_STEPS {
             let mut place = state.place;
             place.0.z = -state.vertical.height;
+            if !self.has_winch {
+                // On the sphere, whatever the height at which the link became taut.
+                let side = so3::norm(&V3::new(place.0.x, place.0.y, S::zero()));
+                let square = self.fixed_length * self.fixed_length - place.0.z * place.0.z;
+                let share = square.sqrt() / side.max(S::lit(0.1));
+                place.0.x *= share;
+                place.0.y *= share;
+            }
             state.filter =
                 Some((Ekf4State::at(place.0, self.start_tension), VelocityState::at(place)));
         }

@@ -26,6 +26,8 @@ params! {
         rotor_thrust_max: "MOT_THR_MAX" Real ["N"] = 8.1 in 0.1 ..= 500.0;
         /// Lowest thrust of one rotor in flight; keeps the motors turning.
         rotor_thrust_min: "MOT_THR_MIN" Real ["N"] = 0.05 in 0.0 ..= 10.0;
+        /// Duration of the thrust calibration in slack hover; 0 = off.
+        thrust_calibration_time: "THR_CAL_T" Real ["s"] = 2.0 in 0.0 ..= 20.0;
         /// Share of the square law in throttle to thrust: thrust = f u^2 + (1-f) u.
         thrust_factor: "THR_MDL_FAC" Real [""] = 0.55 in 0.0 ..= 1.0;
         /// True thrust per commanded thrust, as identified in slack hover or by a thrust stand.
@@ -86,6 +88,8 @@ params! {
         tension_low: "TET_TENSION_LOW" Real ["N"] = 3.0 in 0.5 ..= 100.0;
         /// Distance of the vehicle from the anchor before take-off with a winch, along its nose.
         start_distance: "TET_START_DIST" Real ["m"] = 0.8 in 0.2 ..= 5.0;
+        /// Fixed link: how much closer to the anchor than its length the vehicle stands before take-off. From 0.5 on it first climbs slack and calibrates its thrust.
+        start_slack: "TET_START_SLK" Real ["m"] = 0.0 in 0.0 ..= 50.0;
         /// Heading of the nose at start-up, from North. Azimuth and all world axes follow from it.
         start_heading: "TET_HDG0" Real ["rad"] = 0.0 in -6.3 ..= 6.3;
         /// Tether mass per length.

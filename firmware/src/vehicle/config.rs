@@ -1,5 +1,6 @@
 //! Parameters → configuration of every block. Made anew when a parameter changes; no state in it.
 
+use super::slack_hover::SlackHoverPlan;
 use super::taut::Taut;
 use crate::control::{AttitudeLoop, ClimbLoop, Link, Mixer, PositionLoop, RateLoop, ThrustMap};
 use crate::estimate::TetherEstimator;
@@ -27,6 +28,7 @@ pub(super) struct Config<S: Scalar> {
     pub link: Link,
     pub kind: LinkKind,
     pub taut: Option<Taut<S>>,
+    pub slack_hover: Option<SlackHoverPlan<S>>,
     pub mass: S,
     pub weight: S,
     pub thrust_scale: S,
@@ -63,6 +65,7 @@ impl<S: Scalar> Config<S> {
             link: if kind.has_winch() { Link::Winch } else { Link::FixedLength },
             kind,
             taut: Taut::new(p),
+            slack_hover: SlackHoverPlan::new(p, kind == LinkKind::Cable),
             mass: f(p.mass),
             weight,
             thrust_scale: f(p.thrust_scale.max(0.5)),

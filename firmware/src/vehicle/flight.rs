@@ -1,5 +1,6 @@
 //! What each mode asks of the attitude loop, 250 times a second.
 
+use super::slack_hover::SlackHover;
 use super::{Smoothed, Vehicle};
 use crate::control::{AttitudeCommand, Link, PositionInput, PositionState};
 use crate::frames::{Attitude, V3, World};
@@ -112,7 +113,12 @@ impl<S: Scalar> Vehicle<S> {
             state.spool = S::zero();
             state.position = PositionState::default();
             state.landed_at = None;
+            state.slack_hover = self.config.slack_hover.map(|block| SlackHover::start(&block));
         }
+        if self.hover_slack(events) {
+            return;
+        }
+        let state = &mut self.state;
         let (true, Some(position), Some(target)) =
             (state.estimator.is_airborne(), state.estimate.position, target)
         else {

@@ -15,6 +15,7 @@ mod config;
 mod flight;
 mod output;
 mod requests;
+mod slack_hover;
 mod supervise;
 mod taut;
 
@@ -36,6 +37,7 @@ use crate::supervisor::{FailsafeState, GroundState, Mode, TouchDownState};
 use crate::time::{INNER_DT, Micros, Sample};
 use crate::trajectory::{Plan, TautPlan};
 use config::Config;
+use slack_hover::SlackHover;
 
 /// One autopilot.
 #[derive(Clone, Debug)]
@@ -78,6 +80,8 @@ struct State<S: Scalar> {
     climb: ClimbState<S>,
     attitude: AttitudeCommand<S>,
     reference: Option<FlightReference<S>>,
+    /// Under way; `None` once done.
+    slack_hover: Option<SlackHover<S>>,
     taut: TautEstimatorState<S>,
     /// In the taut-link modes.
     taut_flight: Option<TautFlight<S>>,
@@ -138,6 +142,7 @@ impl<S: Scalar> Vehicle<S> {
             climb: ClimbState::default(),
             attitude: AttitudeCommand::idle(),
             reference: None,
+            slack_hover: None,
             taut: TautEstimatorState::default(),
             taut_flight: None,
             rate: RateState::default(),
@@ -201,7 +206,7 @@ impl<S: Scalar> Vehicle<S> {
         let has_landed = state.ground == GroundState::OnGround && state.landed_at.is_some();
         let phase = if state.armed_at.is_none() || has_landed {
             Phase::Resting
-        } else if state.contact_ramp < S::one() {
+        } else if state.contact_ramp < S::one() || state.slack_hover.is_some() {
             Phase::Touching
         } else {
             Phase::Powered

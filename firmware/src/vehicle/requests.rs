@@ -116,6 +116,7 @@ impl<S: Scalar> Vehicle<S> {
         state.armed_at = None;
         state.ground = GroundState::OnGround;
         state.takeoff_altitude = None;
+        state.slack_hover = None;
         state.reference = None;
         if state.mode == Mode::Takeoff {
             state.mode = Mode::TetherHold;
@@ -242,7 +243,7 @@ impl<S: Scalar> Vehicle<S> {
             return Err(denied("Move refused: needs an altitude"));
         };
         let sin = -down / self.params.tether_length;
-        if !(sin.abs() < 1.0) {
+        if sin.is_nan() || sin.abs() >= 1.0 {
             return Err(denied("Move refused: altitude beyond the tether"));
         }
         self.move_taut([None, Some(libm::asinf(sin))], [None; 2], [None; 2], None)

@@ -46,7 +46,7 @@ impl<S: Scalar> Vehicle<S> {
     /// In a taut-link mode its own observer says so.
     fn link_is_taut(&self) -> bool {
         match self.state.taut.estimate().filter(|_| self.state.taut_flight.is_some()) {
-            _ if self.config.kind.is_rigid() => true,
+            _ if self.config.kind.is_rigid() || self.takes_off_slack() => true,
             Some(taut) => taut.link_force > S::from_f32(self.params.slack_tension),
             None => self.state.estimate.tether.is_none_or(|tether| tether.is_taut),
         }

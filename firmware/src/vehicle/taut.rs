@@ -118,8 +118,10 @@ impl<S: Scalar> Vehicle<S> {
 
     /// Elevation by altimeter and length, rad.
     fn elevation_by_altimeter(&self, sensors: &Sensors<S>) -> Option<S> {
-        let length = self.config.tether_length;
-        let sin = self.state.estimate.height / length;
+        // The link ends below the centre of mass.
+        let estimate = &self.state.estimate;
+        let end = S::from_f32(self.params.attachment) * estimate.attitude.cos_tilt();
+        let sin = (estimate.height - end) / self.config.tether_length;
         (sensors.altitude_is_fresh && sin.abs() < S::one())
             .then(|| sin.atan2((S::one() - sin * sin).sqrt()))
     }
@@ -200,16 +202,17 @@ impl<S: Scalar> Vehicle<S> {
         let second_from = pick(second_from, y);
         let second_to = pick(second_to, y);
         let now = self.state.taut.estimate();
-        let off = |stated: S, seen: S, most: f64| !((stated - seen).abs() <= S::lit(most));
-        if now.is_none_or(|now| {
-            off(from, now.planar.elevation - flight.correction, START_ELEVATION)
-                || off(second_from, second(purpose, now), tolerance)
-        }) {
+        let is_near = |stated: S, seen: S, most: f64| (stated - seen).abs() <= S::lit(most);
+        let is_here = now.is_some_and(|now| {
+            is_near(from, now.planar.elevation - flight.correction, START_ELEVATION)
+                && is_near(second_from, second(purpose, now), tolerance)
+        });
+        if !is_here {
             return Err(denied("Move refused: start is not where the vehicle is"));
         }
         let is_same = |a: S, b: S| (a - b).abs() < S::lit(SAME);
-        let is_here = is_same(from, phi) && is_same(second_from, y);
-        if is_here && is_same(to, phi) && is_same(second_to, y) {
+        let is_start = is_same(from, phi) && is_same(second_from, y);
+        if is_start && is_same(to, phi) && is_same(second_to, y) {
             return Ok(());
         }
         let duration = duration.map_or_else(

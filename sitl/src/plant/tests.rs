@@ -66,7 +66,7 @@ fn a_fixed_tether_pulls_only_when_stretched_and_then_towards_the_anchor() {
 
 #[test]
 fn gusts_have_the_strength_that_the_standard_gives() {
-    let model = WindModel { speed: 5.0, from: 0.3, gusts: Gusts::Dryden };
+    let model = WindModel { speed: 5.0, from: 0.3, gusts: Gusts::Dryden, pulse: 0.0 };
     let mut rng = Pcg64Mcg::new(7);
     let (mut wind, mut sum, n) = (Wind::default(), V3::zeros(), 2_000_000);
     for _ in 0..n {

@@ -15,7 +15,10 @@ impl Scenario {
         let distance = match self.tether.kind {
             TetherKind::Winch => self.tether.start_distance,
             // Just short of taut, as an operator lays it out.
-            TetherKind::Fixed => (self.tether.length.powi(2) - height.powi(2)).sqrt() - 0.02,
+            TetherKind::Fixed => {
+                let taut = (self.tether.length.powi(2) - height.powi(2)).sqrt();
+                (taut - 0.02 - self.tether.start_slack).max(0.2)
+            }
             // A rigid link is as long as it is.
             TetherKind::Strut | TetherKind::Bar => {
                 let end = height - self.tether.attachment;
@@ -126,6 +129,7 @@ impl Scenario {
             ("TET_LENGTH", t.length),
             ("TET_LIN_DENS", t.line_density),
             ("TET_START_DIST", t.start_distance),
+            ("TET_START_SLK", t.start_slack),
             ("TET_HDG0", v.heading),
         ];
         for (name, value) in known {

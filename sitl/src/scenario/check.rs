@@ -37,6 +37,7 @@ impl Scenario {
             ("tether.line_density", t.line_density, 0.0, 1.0),
             ("tether.diameter", t.diameter, 0.0, 0.05),
             ("tether.attachment", t.attachment, -0.5, 0.5),
+            ("tether.start_slack", t.start_slack, 0.0, 50.0),
             ("tether.start_distance", t.start_distance, 0.2, 5.0),
             ("tether.winch_lag", t.winch_lag, 1e-3, 5.0),
             ("tether.winch_error", t.winch_error, 0.0, 0.5),

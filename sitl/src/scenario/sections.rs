@@ -109,6 +109,8 @@ pub struct TetherSection {
     pub diameter: f64,
     /// Below the centre of mass, m.
     pub attachment: f64,
+    /// Fixed: how much closer than taut the vehicle starts, m.
+    pub start_slack: f64,
     /// Start of the vehicle from the anchor (winch), m.
     pub start_distance: f64,
     /// s.
@@ -133,6 +135,7 @@ impl Default for TetherSection {
             line_density: 0.002,
             diameter: 0.0015,
             attachment: 0.05,
+            start_slack: 0.0,
             start_distance: 0.8,
             winch_lag: 0.05,
             winch_error: 0.03,
