@@ -105,6 +105,7 @@ impl<S: Scalar> TautPlan<S> {
         if self.purpose == Purpose::Force {
             let last = self.second.end();
             let is_crossing = (first > S::zero()) != (last > S::zero());
+            check_carried(bounds.kind, last)?;
             if last.abs() < bounds.force_min {
                 return Err("Move refused: link force too small to be seen");
             }
@@ -164,18 +165,20 @@ impl<S: Scalar> TautPlan<S> {
         bounds: &TautBounds<S>,
     ) -> Result<(), &'static str> {
         let force = model.link_force(state, thrust);
-        if !bounds.kind.carries(force.to_f32()) {
-            return Err(if force < S::zero() {
-                "Move refused: a cable cannot push"
-            } else {
-                "Move refused: a strut cannot pull"
-            });
-        }
+        check_carried(bounds.kind, force)?;
         // A bar passes through zero; the ends of its move are checked by themselves.
         if bounds.kind != LinkKind::Bar && force.abs() < bounds.force_min {
             return Err("Move refused: link force too small to be seen");
         }
         Ok(())
+    }
+}
+
+fn check_carried<S: Scalar>(kind: LinkKind, force: S) -> Result<(), &'static str> {
+    match (kind.carries(force.to_f32()), force < S::zero()) {
+        (true, _) => Ok(()),
+        (false, true) => Err("Move refused: a cable cannot push"),
+        (false, false) => Err("Move refused: a strut cannot pull"),
     }
 }
 

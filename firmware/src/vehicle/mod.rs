@@ -99,6 +99,8 @@ struct TautFlight<S: Scalar> {
     plan: TautPlan<S>,
     /// Elevation that the observer sees too much of, by the altimeter, rad.
     correction: S,
+    /// How long the link has pulled less than it should, s.
+    slack: S,
 }
 
 /// Estimate behind the position loop's low-pass.

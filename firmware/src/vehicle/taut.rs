@@ -24,6 +24,9 @@ const START_PITCH: f64 = 0.15;
 const SAME: f64 = 1e-3;
 /// Largest correction by the altimeter, rad.
 const CORRECTION_MAX: f64 = 0.4;
+/// A cable that pulls less than this share of what is wanted, for so long, s, is slack or broken.
+const SLACK_SHARE: f64 = 0.3;
+const SLACK_TIME: f64 = 0.5;
 /// Shortest automatic move, s; automatic change of link force, N/s.
 const MOVE_SHORTEST: f64 = 3.0;
 const FORCE_RATE: f64 = 1.0;
@@ -165,7 +168,7 @@ impl<S: Scalar> Vehicle<S> {
             Purpose::Force => Mode::TautForce,
             Purpose::Attitude => Mode::TautAttitude,
         });
-        self.state.taut_flight = Some(TautFlight { pilot, plan, correction });
+        self.state.taut_flight = Some(TautFlight { pilot, plan, correction, slack: S::zero() });
         Ok(())
     }
 
@@ -263,6 +266,18 @@ impl<S: Scalar> Vehicle<S> {
                 .limit_abs(S::lit(CORRECTION_MAX));
         }
         let PlanarReference { mut elevation, second } = flight.plan.step(dt);
+        // Without a link the vehicle would speed up until its drag looks like the force it wants.
+        let [wanted, ..] = second;
+        let expected = match purpose {
+            Purpose::Force => (wanted * S::lit(SLACK_SHARE)).max(taut.force_min * S::lit(0.5)),
+            Purpose::Attitude => taut.force_min * S::lit(0.5),
+        };
+        let is_pulling = taut.bounds.kind.is_rigid() || now.link_force > expected;
+        flight.slack = if is_pulling { S::zero() } else { flight.slack + dt };
+        if flight.slack > S::lit(SLACK_TIME) {
+            events.push(Event::critical("Tether slack: descending"));
+            return self.enter(Mode::Descent);
+        }
         if let Some(phi) = elevation.first_mut() {
             *phi += flight.correction;
         }

@@ -1,0 +1,280 @@
+//! The taut-link modes: flown, refused with reasons, and left safely.
+
+#![allow(clippy::unwrap_used, clippy::panic, clippy::indexing_slicing, reason = "tests")]
+
+use tautline_firmware::control::taut::{
+    ElevationAttitude, ElevationForce, Inversion, Law, PlanarInput, PlanarLoop, PlanarLoopSettings,
+    PlanarReference, ThrustLimits,
+};
+use tautline_firmware::estimate::high_gain::{HighGain, HighGainSettings};
+use tautline_firmware::fault::{Fault, Invalid};
+use tautline_firmware::model::{PlanarImu, PlanarModel};
+use tautline_firmware::supervisor::{GroundState, Mode};
+use tautline_sitl::experiment::{Ask, find};
+use tautline_sitl::flight::Flight;
+use tautline_sitl::pilot::Progress;
+use tautline_tests::{flight, run, until};
+
+/// Vehicle, link and parameters of the taut-link scenario, without its mission.
+fn vehicle() -> String {
+    let text = include_str!("../sitl/scenarios/taut.toml");
+    text.split("[[mission]]").next().unwrap().to_owned()
+}
+
+const ENTER: &str = r#"
+[[mission]]
+do = "arm"
+[[mission]]
+do = "takeoff"
+altitude = 3.5
+[[mission]]
+do = "hold"
+seconds = 4.0
+[[mission]]
+do = "taut"
+control = "CONTROL"
+"#;
+const HOLD: &str = "[[mission]]\ndo = \"hold\"\nseconds = 1000.0\n";
+
+fn fly(head: &str, control: &str, more: &str) -> Flight<Vec<u8>> {
+    flight(&format!("{head}{}{more}", ENTER.replace("CONTROL", control)), 1)
+}
+
+fn heard(flight: &Flight<Vec<u8>>, text: &str) -> bool {
+    flight.events.iter().any(|(_, event)| event.text.contains(text))
+}
+
+#[test]
+fn one_seed_of_every_flight_row_keeps_its_limits() {
+    let ask = Ask { sets: vec![("seeds".into(), "1".into())], seed: 3 };
+    let report = (find("taut-flight").unwrap().run)(&ask).unwrap();
+    for line in &report.lines {
+        assert!(line.passes(), "{}", line.text());
+    }
+    assert!(report.lines.len() >= 40);
+}
+
+/// From a slack start, with rotors that are off by up to 5 % and a thrust map that does not quite fit.
+#[test]
+fn a_slack_hover_calibrates_the_thrust_and_the_vehicle_goes_out_until_the_link_pulls() {
+    let mut flight = flight(include_str!("../sitl/scenarios/taut-slack.toml"), 2);
+    let (mut real, mut commanded) = (0.0, 0.0);
+    while !heard(&flight, "Thrust calibrated") {
+        let out = flight.step(&mut |_| {});
+        if flight.world.time() > 10.0 {
+            real += flight.world.plant.thrust();
+            commanded += f64::from(out.estimate.thrust);
+        }
+        assert!(flight.world.time() < 30.0, "{:?}", flight.events);
+    }
+    let scale = f64::from(flight.world.vehicle.params().thrust_scale);
+    assert!((scale - real / commanded).abs() < 0.01, "{scale}, truth {}", real / commanded);
+    assert!((scale - 1.0).abs() > 0.02, "nothing to calibrate in this seed");
+    flight.fly(120.0);
+    let summary = flight.metrics.summary();
+    assert_eq!(summary.lost, None);
+    assert!(summary.taut.unwrap().elevation_rms_rad < 0.05, "{summary:?}");
+    assert_eq!(*flight.pilot.progress(), Progress::Done);
+}
+
+#[test]
+fn modes_are_refused_where_they_cannot_fly() {
+    // On a winch.
+    let mut winch = fly("", "force", HOLD);
+    until(&mut winch, 60.0, |out| out.mode == Mode::TetherHold && out.ground == GroundState::InAir);
+    run(&mut winch, 10.0);
+    assert!(heard(&winch, "Mode refused: needs a link of fixed length"));
+
+    // On the ground.
+    let mut early = flight(
+        &format!(
+            "{}[[mission]]\ndo = \"arm\"\n[[mission]]\ndo = \"taut\"\ncontrol = \"force\"\n",
+            vehicle()
+        ),
+        1,
+    );
+    run(&mut early, 12.0);
+    assert!(heard(&early, "Mode refused: not in the air"));
+
+    // With the nose beside the link: the hold moves the vehicle 30 degrees round, the nose stays.
+    let round = "[[mission]]\ndo = \"move\"\nazimuth = 0.6\n[[mission]]\ndo = \"taut\"\ncontrol = \"force\"\n";
+    let before = ENTER.split("[[mission]]\ndo = \"taut\"").next().unwrap();
+    let mut turned = flight(&format!("{}{before}{round}", vehicle()), 1);
+    run(&mut turned, 60.0);
+    assert!(heard(&turned, "Mode refused: nose not along the link"), "{:?}", turned.events);
+}
+
+/// A move from 45° and 6 N, or 13° of pitch, and what the operator must read.
+fn refused(control: &str, elevation: &str, second: &str, duration: f64, reason: &str) {
+    let step = format!(
+        "[[mission]]\ndo = \"taut_move\"\ncontrol = \"{control}\"\nelevation = {elevation}\nsecond = {second}\nduration = {duration}\n"
+    );
+    let mut flight = fly(&vehicle(), control, &step);
+    let mode = if control == "force" { Mode::TautForce } else { Mode::TautAttitude };
+    until(&mut flight, 60.0, |out| out.mode == mode);
+    let out = run(&mut flight, 3.0);
+    assert!(heard(&flight, reason), "{reason}: {:?}", flight.events);
+    assert_eq!(out.mode, mode, "{reason}: the mode goes on");
+}
+
+#[test]
+fn moves_that_vehicle_or_link_cannot_follow_are_refused_with_a_reason() {
+    let cases = [
+        ("[0.785, 0.785]", "[6.0, -6.0]", 1.5, "Move refused: a cable cannot push"),
+        ("[0.785, 0.785]", "[6.0, 1.0]", 3.0, "Move refused: link force too small to be seen"),
+        ("[0.785, 0.785]", "[6.0, 20.0]", 3.0, "Move refused: more thrust than rotors give"),
+        ("[0.785, 1.7]", "[6.0, 6.0]", 5.0, "Move refused: elevation out of range"),
+        ("[0.2, 0.9]", "[6.0, 6.0]", 5.0, "Move refused: start is not where the vehicle is"),
+        ("[0.785, 0.9]", "[6.0, 6.0]", 0.1, "Move refused: duration out of range"),
+    ];
+    for (elevation, second, duration, reason) in cases {
+        refused("force", elevation, second, duration, reason);
+    }
+    refused("attitude", "[0.785, 1.4]", "[0.24, 0.24]", 5.0, "Move refused:");
+}
+
+#[test]
+fn a_bar_that_would_linger_at_zero_force_or_need_too_little_thrust_is_refused() {
+    let head = vehicle().replace("kind = \"fixed\"", "kind = \"bar\"");
+    // Straight above, a bar in compression carries nearly the whole weight.
+    for (altitude, elevation, second, duration, reason) in [
+        (3.5, "[0.785, 0.785]", "[6.0, -4.0]", 5.0, "Move refused: cross zero force within 2 s"),
+        (4.9, "[1.37, 1.5]", "[6.0, -11.0]", 1.5, "Move refused: thrust below its minimum"),
+    ] {
+        let step = format!(
+            "[[mission]]\ndo = \"taut_move\"\ncontrol = \"force\"\nelevation = {elevation}\nsecond = {second}\nduration = {duration}\n"
+        );
+        let enter = ENTER
+            .replace("CONTROL", "force")
+            .replace("altitude = 3.5", &format!("altitude = {altitude}"));
+        let mut flight = flight(&format!("{head}{enter}{step}"), 1);
+        until(&mut flight, 60.0, |out| out.mode == Mode::TautForce);
+        run(&mut flight, 3.0);
+        assert!(heard(&flight, reason), "{reason}: {:?}", flight.events);
+    }
+}
+
+#[test]
+fn a_broken_cable_in_a_taut_link_mode_ends_in_a_descent_to_the_ground() {
+    let fault = "[[fault]]\nkind = \"tether_broken\"\nat = 30.0\n";
+    let mut flight = fly(&vehicle(), "force", &format!("{HOLD}{fault}"));
+    until(&mut flight, 60.0, |out| out.mode == Mode::TautForce);
+    until(&mut flight, 60.0, |out| out.mode == Mode::Descent);
+    until(&mut flight, 60.0, |out| !out.is_armed);
+    assert!(heard(&flight, "Tether slack: descending"));
+    assert!(flight.world.plant.ground.is_touching());
+}
+
+#[test]
+fn a_lost_ground_station_ends_a_taut_link_mode_in_a_landing() {
+    let fault = "[[fault]]\nkind = \"link_lost\"\nat = 30.0\n";
+    let mut flight = fly(&vehicle(), "attitude", &format!("{HOLD}{fault}"));
+    until(&mut flight, 60.0, |out| out.mode == Mode::TautAttitude);
+    until(&mut flight, 60.0, |out| out.mode == Mode::Land);
+    until(&mut flight, 60.0, |out| !out.is_armed);
+    assert!(flight.metrics.touch_down.unwrap() < 0.8);
+}
+
+#[test]
+fn without_altimeter_the_mode_flies_on_by_inertia() {
+    let fault = "[[fault]]\nkind = \"altimeter_lost\"\nat = 26.0\n";
+    let head = vehicle().replace("TLK_ALT_TAU = 0.0", "TLK_ALT_TAU = 1.5");
+    let mut flight = fly(&head, "force", &format!("{HOLD}{fault}"));
+    until(&mut flight, 60.0, |out| out.mode == Mode::TautForce);
+    let out = run(&mut flight, 20.0);
+    assert_eq!(out.mode, Mode::TautForce);
+    assert_eq!(flight.metrics.summary().lost, None);
+}
+
+fn model() -> PlanarModel<f64> {
+    PlanarModel::try_new(1.0, 0.25, 2.0, 9.81).unwrap()
+}
+fn settings() -> HighGainSettings<f64> {
+    HighGainSettings::new(model(), 0.004)
+}
+
+#[test]
+fn construction_refuses_what_no_block_can_work_with_by_its_name() {
+    let field = |result: Result<(), Invalid>| result.unwrap_err().field;
+    let nan = f64::NAN;
+    let planar = |m, j, l, g| field(PlanarModel::try_new(m, j, l, g).map(drop));
+    assert_eq!(planar(0.0, 0.25, 2.0, 9.81), "mass");
+    assert_eq!(planar(nan, 0.25, 2.0, 9.81), "mass");
+    assert_eq!(planar(1.0, f64::INFINITY, 2.0, 9.81), "inertia");
+    assert_eq!(planar(1.0, 0.25, -2.0, 9.81), "length");
+    assert_eq!(planar(1.0, 0.25, 2.0, 0.0), "gravity");
+
+    let observer = |s| field(HighGain::try_new(s).map(drop));
+    for epsilon in [0.0, -0.1, nan] {
+        assert_eq!(observer(HighGainSettings { epsilon, ..settings() }), "epsilon");
+    }
+    assert_eq!(observer(HighGainSettings { period: 0.0, ..settings() }), "period");
+    assert_eq!(observer(HighGainSettings { roots: [-1.0, 0.0, -2.0], ..settings() }), "roots");
+    assert_eq!(observer(HighGainSettings { force_min: -1.0, ..settings() }), "force_min");
+    assert_eq!(observer(HighGainSettings { rate_max: 0.0, ..settings() }), "rate_max");
+
+    let force = |p: &[f64; 4], q: &[f64; 2], inversion| {
+        field(ElevationForce::try_new(model(), p, q, inversion).map(drop))
+    };
+    let good = [-1.0, -1.5, -2.0, -2.5];
+    assert_eq!(force(&[-1.0, 1.0, -2.0, -2.0], &[-1.0, -1.0], Inversion::Exact), "elevation_poles");
+    assert_eq!(force(&good, &[-1.0, nan], Inversion::Exact), "force_poles");
+    assert_eq!(force(&good, &[-1.0, -1.0], Inversion::Damped { damping: -0.1 }), "damping");
+    let attitude = |p: &[f64; 3], q: &[f64; 2]| {
+        field(ElevationAttitude::try_new(model(), p, q, Inversion::Exact).map(drop))
+    };
+    assert_eq!(attitude(&[0.0, -1.0, -1.0], &[-1.0, -1.0]), "elevation_poles");
+    assert_eq!(attitude(&[-1.0, -1.0, -1.0], &[1.0, -1.0]), "pitch_poles");
+
+    let law = || {
+        Law::Force(
+            ElevationForce::try_new(model(), &good, &[-1.0, -1.5], Inversion::Exact).unwrap(),
+        )
+    };
+    let joined = |settings| {
+        let observer = HighGain::try_new(self::settings()).unwrap();
+        field(PlanarLoop::try_new(observer, law(), settings).map(drop))
+    };
+    let plain = PlanarLoopSettings { motor_lag: 0.0, hold_off: 0.0, limits: None };
+    assert_eq!(joined(PlanarLoopSettings { motor_lag: -1.0, ..plain }), "motor_lag");
+    assert_eq!(joined(PlanarLoopSettings { hold_off: nan, ..plain }), "hold_off");
+    let limits = ThrustLimits { min: 5.0, max: 3.0, rate: 1.0, accel: 1.0, torque: 1.0 };
+    assert_eq!(joined(PlanarLoopSettings { limits: Some(limits), ..plain }), "thrust_max");
+}
+
+#[test]
+fn a_reading_that_is_no_number_is_a_fault_and_leaves_the_state_untouched() {
+    let law = ElevationForce::try_new(
+        model(),
+        &[-1.0, -1.5, -2.0, -2.5],
+        &[-1.0, -1.5],
+        Inversion::Exact,
+    )
+    .unwrap();
+    let observer = HighGain::try_new(settings()).unwrap();
+    let plain = PlanarLoopSettings { motor_lag: 0.0, hold_off: 0.0, limits: None };
+    let planar = PlanarLoop::try_new(observer, Law::Force(law), plain).unwrap();
+    let good = PlanarImu { x: 1.8, z: -10.0, rate: 0.1 };
+    let at = |imu| PlanarInput { imu, acting: None, state: None };
+    let reference =
+        PlanarReference { elevation: [0.8, 0.0, 0.0, 0.0, 0.0], second: [3.0, 0.0, 0.0] };
+    let mut state = planar.start(&good, 12.0);
+    planar.step(&mut state, &at(good), &reference).unwrap();
+    let before = state;
+    for bad in [
+        PlanarImu { x: f64::NAN, ..good },
+        PlanarImu { z: f64::INFINITY, ..good },
+        PlanarImu { rate: f64::NEG_INFINITY, ..good },
+    ] {
+        assert_eq!(planar.step(&mut state, &at(bad), &reference), Err(Fault::NotFinite));
+        assert_eq!(state, before);
+    }
+    let nowhere = PlanarReference { second: [f64::NAN, 0.0, 0.0], ..reference };
+    assert_eq!(planar.step(&mut state, &at(good), &nowhere), Err(Fault::NotFinite));
+    assert_eq!(state, before);
+    // An exact inversion at zero thrust has no answer.
+    let mut idle = planar.start(&good, 0.0);
+    let still = idle;
+    assert_eq!(planar.step(&mut idle, &at(good), &reference), Err(Fault::Degenerate));
+    assert_eq!(idle, still);
+}
