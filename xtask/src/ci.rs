@@ -33,6 +33,7 @@ pub fn everything() -> Outcome {
     run_with("cargo", &["doc", "--workspace", "--no-deps", "--locked"], &DENY_WARNINGS)?;
     fly_clients(&python)?;
     campaigns()?;
+    experiments()?;
     run("cargo", &["test", "--workspace", "--locked", "--doc"])?;
     let tested = [
         "-p",
@@ -69,6 +70,27 @@ fn campaigns() -> Outcome {
         run(sitl(), &["campaign", &file, "--seeds", "3", "--out", &out])?;
     }
     Ok(())
+}
+
+/// Every reproduced result against its published figures; the flights with a few seeds.
+fn experiments() -> Outcome {
+    let planar = [
+        "nominal",
+        "initial-errors",
+        "parameters",
+        "general-model",
+        "noise",
+        "motors",
+        "compression",
+        "observer-forms",
+        "acceptance",
+        "robustness",
+    ];
+    for key in planar {
+        let folder = format!("target/experiments/{key}");
+        run(sitl(), &["experiment", &format!("planar-{key}"), "--plot", &folder])?;
+    }
+    run(sitl(), &["experiment", "taut-flight", "--set", "seeds=4"])
 }
 
 fn sitl() -> &'static str {

@@ -180,18 +180,26 @@ record! {
 record! {
     /// `estimator_taut`: the taut-link observer, and what its modes ask.
     EstimatorTaut {
-        /// rad, rad/s.
-        elevation: [f32; 2],
-        /// In the plane, positive leaning away from the anchor: rad, rad/s.
-        pitch: [f32; 2],
+        /// rad.
+        elevation: f32,
+        /// rad/s.
+        elevation_rate: f32,
+        /// In the plane, positive leaning away from the anchor, rad.
+        pitch: f32,
         /// N, positive in tension.
         link_force: f32,
         /// m/s².
         residual: f32,
-        /// Azimuth minus heading rad, its rate rad/s, roll rad; zero outside the taut-link modes.
-        lateral: [f32; 3],
-        /// Elevation rad, and link force N or pitch rad; zero outside the taut-link modes.
-        reference: [f32; 2],
+        /// Azimuth minus heading, rad; zero outside the taut-link modes.
+        azimuth: f32,
+        /// rad; zero outside the taut-link modes.
+        roll: f32,
+        /// rad.
+        elevation_setpoint: f32,
+        /// Link force, N, or pitch, rad.
+        second_setpoint: f32,
+        /// A taut-link mode flies; without, the set-points mean nothing.
+        active: bool,
     }
 }
 
@@ -222,22 +230,27 @@ impl EstimatorTaut {
     pub fn of<S: Scalar>(out: &StepOutput<S>) -> Option<Self> {
         out.taut.as_ref().map(|taut| {
             let x = &taut.planar;
-            let lateral = taut
+            let (azimuth, roll) = taut
                 .lateral
                 .as_ref()
-                .map_or([S::zero(); 3], |l| [l.azimuth(), l.azimuth_rate(), l.roll()]);
-            let reference = out.taut_reference.map_or([S::zero(); 2], |r| {
-                let ([phi, ..], [second, ..]) = (r.elevation, r.second);
-                [phi, second]
-            });
+                .map_or((S::zero(), S::zero()), |lateral| (lateral.azimuth(), lateral.roll()));
+            let (elevation, second) =
+                out.taut_reference.map_or((S::zero(), S::zero()), |reference| {
+                    let ([phi, ..], [second, ..]) = (reference.elevation, reference.second);
+                    (phi, second)
+                });
             Self {
                 timestamp: out.now.0,
-                elevation: [x.elevation.to_f32(), x.elevation_rate.to_f32()],
-                pitch: [x.pitch.to_f32(), x.pitch_rate.to_f32()],
+                elevation: x.elevation.to_f32(),
+                elevation_rate: x.elevation_rate.to_f32(),
+                pitch: x.pitch.to_f32(),
                 link_force: taut.link_force.to_f32(),
                 residual: taut.residual.to_f32(),
-                lateral: lateral.map(Scalar::to_f32),
-                reference: reference.map(Scalar::to_f32),
+                azimuth: azimuth.to_f32(),
+                roll: roll.to_f32(),
+                elevation_setpoint: elevation.to_f32(),
+                second_setpoint: second.to_f32(),
+                active: out.taut_reference.is_some(),
             }
         })
     }

@@ -24,9 +24,11 @@ const START_PITCH: f64 = 0.15;
 const SAME: f64 = 1e-3;
 /// Largest correction by the altimeter, rad.
 const CORRECTION_MAX: f64 = 0.4;
-/// A cable that pulls less than this share of what is wanted, for so long, s, is slack or broken.
+/// A cable that pulls less than this share of what is wanted is slack or broken; for so long, s, it may:
+/// shorter where the vehicle would speed up after the missing force.
 const SLACK_SHARE: f64 = 0.3;
-const SLACK_TIME: f64 = 0.5;
+const SLACK_TIME_FORCE: f64 = 0.5;
+const SLACK_TIME_ATTITUDE: f64 = 1.0;
 /// Shortest automatic move, s; automatic change of link force, N/s.
 const MOVE_SHORTEST: f64 = 3.0;
 const FORCE_RATE: f64 = 1.0;
@@ -58,7 +60,8 @@ impl<S: Scalar> Taut<S> {
                 model,
                 kind: LinkKind::from_parameter(p.tether_kind),
                 thrust: force.thrust_range(),
-                force_min: S::from_f32(p.taut_force_min),
+                // What the observer cannot see is no set-point.
+                force_min: S::from_f32(p.taut_force_min).max(estimator.force_floor()),
                 elevation: (S::from_f32(p.elevation_min), S::from_f32(p.elevation_max)),
             },
             estimator,
@@ -268,13 +271,14 @@ impl<S: Scalar> Vehicle<S> {
         let PlanarReference { mut elevation, second } = flight.plan.step(dt);
         // Without a link the vehicle would speed up until its drag looks like the force it wants.
         let [wanted, ..] = second;
-        let expected = match purpose {
-            Purpose::Force => (wanted * S::lit(SLACK_SHARE)).max(taut.force_min * S::lit(0.5)),
-            Purpose::Attitude => taut.force_min * S::lit(0.5),
+        let floor = taut.force_min * S::lit(0.5);
+        let (expected, patience) = match purpose {
+            Purpose::Force => ((wanted * S::lit(SLACK_SHARE)).max(floor), SLACK_TIME_FORCE),
+            Purpose::Attitude => (floor, SLACK_TIME_ATTITUDE),
         };
         let is_pulling = taut.bounds.kind.is_rigid() || now.link_force > expected;
         flight.slack = if is_pulling { S::zero() } else { flight.slack + dt };
-        if flight.slack > S::lit(SLACK_TIME) {
+        if flight.slack > S::lit(patience) {
             events.push(Event::critical("Tether slack: descending"));
             return self.enter(Mode::Descent);
         }

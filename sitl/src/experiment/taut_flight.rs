@@ -7,6 +7,7 @@ use crate::pilot::Progress;
 use crate::scenario::{Scenario, Step, TautControl, TetherKind};
 use crate::settings;
 use crate::taut_metrics::TautSummary;
+use tautline_firmware::signal::Severity;
 
 /// Vehicle, sensors and parameters of every row.
 const BASE: &str = include_str!("../../scenarios/taut.toml");
@@ -231,14 +232,18 @@ fn fly(row: &Row, ask: &Ask, seed: u64) -> Result<(Option<String>, Option<TautSu
     }
     flight.fly(LONGEST);
     let summary = flight.metrics.summary();
+    // The first critical event says more than the last step of a mission that went wrong.
+    let heard = flight
+        .events
+        .iter()
+        .map(|(_, event)| event)
+        .find(|event| event.severity <= Severity::Critical)
+        .or(flight.events.last().map(|(_, event)| event))
+        .map_or("nothing", |event| event.text);
     let lost = match (summary.lost, flight.pilot.progress()) {
         (Some(why), _) => Some(why.to_owned()),
         (None, Progress::Done) => None,
-        (None, Progress::Failed(why)) => Some(why.clone()),
-        (None, Progress::Flying) => {
-            let last = flight.events.last().map_or("", |(_, event)| event.text);
-            Some(format!("not finished; last heard: {last}"))
-        }
+        (None, Progress::Failed(_) | Progress::Flying) => Some(format!("not flown: {heard}")),
     };
     Ok((lost, summary.taut))
 }

@@ -1,6 +1,8 @@
 //! The picture of a flight: map, height, tether angles, tension.
 
-use super::chart::{Area, ESTIMATE, Line, Panel, SETPOINT, TRUTH, TRUTH_FAINT, bounds, draw, plot};
+use super::chart::{
+    Area, ESTIMATE, Line, Panel, SETPOINT, THIRD, TRUTH, TRUTH_FAINT, bounds, draw, plot,
+};
 use super::read::{FlightData, Series};
 use plotters::prelude::*;
 use std::error::Error;
@@ -38,24 +40,34 @@ fn try_draw(data: &FlightData, title: &str, path: &Path) -> Result<(), Box<dyn E
     let [true_elevation, true_azimuth, true_tension] = &data.true_tether;
     let [elevation, azimuth, estimated_tension] = &data.tether;
     let degrees = |s: &Series| s.iter().map(|&(t, a)| (t, a.to_degrees())).collect::<Series>();
-    let lines = [
+    let [by_inertia, force_by_inertia, wanted] = &data.taut;
+    let mut lines = vec![
         Line::new("truth", TRUTH, degrees(true_elevation)),
         Line::new("estimate", ESTIMATE, degrees(elevation)),
         Line::new("", TRUTH, degrees(true_azimuth)),
         Line::new("", ESTIMATE, degrees(azimuth)),
     ];
+    if !by_inertia.is_empty() {
+        lines.push(Line::new("by inertia alone", THIRD, degrees(by_inertia)));
+        lines.push(Line::new("set-point", SETPOINT, degrees(wanted)));
+    }
+    // Where the curves leave room.
+    let legend = if by_inertia.is_empty() {
+        SeriesLabelPosition::UpperMiddle
+    } else {
+        SeriesLabelPosition::UpperLeft
+    };
     let title = "Tether elevation (upper) and azimuth (lower)";
-    draw(
-        angles,
-        &Panel::new(title, "time, s", "deg").legend(SeriesLabelPosition::UpperMiddle),
-        &lines,
-    )?;
+    draw(angles, &Panel::new(title, "time, s", "deg").legend(legend), &lines)?;
 
-    let lines = [
+    let mut lines = vec![
         Line::new("truth", TRUTH_FAINT, true_tension.clone()),
         Line::new("estimate", ESTIMATE, estimated_tension.clone()),
         Line::new("asked of the winch", SETPOINT, data.winch.clone()),
     ];
+    if !force_by_inertia.is_empty() {
+        lines.push(Line::new("by inertia alone", THIRD, force_by_inertia.clone()));
+    }
     let panel =
         Panel::new("Tether tension", "time, s", "N").legend(SeriesLabelPosition::LowerMiddle);
     draw(tension, &panel, &lines)?;

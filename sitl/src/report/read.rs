@@ -18,6 +18,7 @@ mod logged {
         Tether(TetherState),
         TrueTether(TetherStateGroundtruth),
         Motors(ActuatorMotors),
+        Taut(EstimatorTaut),
     }
 
     #[derive(ULogData)]
@@ -57,6 +58,14 @@ mod logged {
         pub tension: f32,
     }
     #[derive(ULogData)]
+    pub struct EstimatorTaut {
+        pub timestamp: u64,
+        pub elevation: f32,
+        pub link_force: f32,
+        pub elevation_setpoint: f32,
+        pub active: bool,
+    }
+    #[derive(ULogData)]
     pub struct ActuatorMotors {
         pub timestamp: u64,
         pub winch_tension: f32,
@@ -81,6 +90,8 @@ pub struct FlightData {
     pub true_tether: [Series; 3],
     /// Tension asked of the winch, N.
     pub winch: Series,
+    /// In the taut-link modes: elevation rad and link force N by inertia, elevation wanted, rad.
+    pub taut: [Series; 3],
 }
 
 fn push(into: &mut [Series; 3], timestamp: u64, values: [f32; 3]) {
@@ -110,6 +121,11 @@ impl FlightData {
                 }
                 Logged::TrueTether(m) => {
                     push(&mut data.true_tether, m.timestamp, [m.elevation, m.azimuth, m.tension]);
+                }
+                Logged::Taut(m) if !m.active => {}
+                Logged::Taut(m) => {
+                    let values = [m.elevation, m.link_force, m.elevation_setpoint];
+                    push(&mut data.taut, m.timestamp, values);
                 }
                 Logged::Motors(m) => {
                     data.winch.push((m.timestamp as f64 * 1e-6, f64::from(m.winch_tension)));

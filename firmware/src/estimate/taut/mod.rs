@@ -22,9 +22,10 @@ use crate::time::OUTER_DT;
 
 /// Low-pass of specific force, rate and thrust alike, Hz.
 const CUTOFF_HZ: f32 = 10.0;
-/// Link force over mass without a usable direction, m/s²: cable, strut or bar.
+/// Link force over mass without a usable direction, m/s²: cable, strut or bar. A bar's force passes
+/// through zero, and noise near it throws the estimate off: better blind for longer.
 const CABLE_FORCE_MIN: f64 = 0.5;
-const RIGID_FORCE_MIN: f64 = 0.6;
+const RIGID_FORCE_MIN: f64 = 1.2;
 
 /// Which of the two observer speeds.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -137,6 +138,12 @@ impl<S: Scalar> TautEstimator<S> {
             mass: model.mass(),
             length: model.length(),
         })
+    }
+
+    /// Link force, N, below which the observer is blind, with a margin.
+    #[must_use]
+    pub fn force_floor(&self) -> S {
+        S::lit(1.2 * self.force.settings().force_min) * self.mass
     }
 
     /// The plane's model.
