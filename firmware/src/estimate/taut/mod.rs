@@ -104,7 +104,7 @@ pub struct TautEstimate<S: Scalar> {
     pub accel: Body<V3<S>>,
     /// Rate, 10 Hz, rad/s.
     pub rate: Body<V3<S>>,
-    /// Across the plane; `None` until [`TautEstimatorState::watch_sideways`].
+    /// Across the plane; `None` until [`TautEstimator::watch_sideways`].
     pub lateral: Option<LateralState<S>>,
 }
 
