@@ -96,6 +96,19 @@ fn modes_are_refused_where_they_cannot_fly() {
     run(&mut early, 12.0);
     assert!(heard(&early, "Mode refused: not in the air"));
 
+    // The cable has just broken.
+    let fault = "[[fault]]\nkind = \"tether_broken\"\nat = 19.5\n";
+    let mut slack = fly(&vehicle(), "force", &format!("{HOLD}{fault}"));
+    run(&mut slack, 22.0);
+    assert!(heard(&slack, "Mode refused: link is slack"), "{:?}", slack.events);
+
+    // High up under much tension the thrust points along the link.
+    let steep = ENTER.replace("altitude = 3.5", "altitude = 4.95").replace("CONTROL", "attitude");
+    let head = vehicle().replace("TET_TENSION = 6.0", "TET_TENSION = 8.5");
+    let mut steep = flight(&format!("{head}{steep}"), 1);
+    run(&mut steep, 40.0);
+    assert!(heard(&steep, "Mode refused: thrust along the link"), "{:?}", steep.events);
+
     // With the nose beside the link: the hold moves the vehicle 30 degrees round, the nose stays.
     let round = "[[mission]]\ndo = \"move\"\nazimuth = 0.6\n[[mission]]\ndo = \"taut\"\ncontrol = \"force\"\n";
     let before = ENTER.split("[[mission]]\ndo = \"taut\"").next().unwrap();

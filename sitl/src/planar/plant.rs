@@ -2,9 +2,11 @@
 //! mass and is attached beside the centre of mass, the motors lag. Lagrange's equations, Runge-Kutta.
 
 use nalgebra::{Matrix2, Vector2, Vector6};
+use serde::{Deserialize, Serialize};
 
-/// What is simulated.
-#[derive(Clone, Debug, PartialEq)]
+/// What is simulated; `[plant]` of a planar scenario. The default is the journal's.
+#[derive(Clone, Debug, Deserialize, Serialize, PartialEq)]
+#[serde(default, deny_unknown_fields)]
 pub struct PlanarPlantModel {
     /// Vehicle, kg.
     pub mass: f64,
@@ -20,6 +22,20 @@ pub struct PlanarPlantModel {
     pub motor_lag: f64,
     /// m/s².
     pub gravity: f64,
+}
+
+impl Default for PlanarPlantModel {
+    fn default() -> Self {
+        Self {
+            mass: 1.0,
+            inertia: 0.25,
+            length: 2.0,
+            link_mass: 0.0,
+            attachment: [0.0, 0.0],
+            motor_lag: 0.0,
+            gravity: crate::plant::GRAVITY,
+        }
+    }
 }
 
 /// State: link angle, its rate, pitch, its rate, acting thrust and torque.

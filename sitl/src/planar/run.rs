@@ -1,9 +1,9 @@
 //! Closed loop: plant, sensors with noise, the core's observer and controller.
 
+use super::PlanarPlant;
 use super::metrics::{Errors, PlanarSummary};
 use super::pilot::{Pilot, Plan, flat_start, models};
 use super::scenario::{Feedback, LawKind, PlanarScenario};
-use super::{PlanarPlant, PlanarPlantModel};
 use crate::plant::{generator, normal};
 use tautline_firmware::control::taut::{PlanarInput, PlanarLoop, PlanarLoopState};
 use tautline_firmware::math::wrap_pi;
@@ -60,17 +60,7 @@ pub fn fly(s: &PlanarScenario, seed: u64) -> Result<Trace, String> {
         *x += offset;
     }
     let first_thrust = flat_start(s, &believed, &begin)?.thrust;
-    let p = &s.plant;
-    let model = PlanarPlantModel {
-        mass: p.mass,
-        inertia: p.inertia,
-        length: p.length,
-        link_mass: p.link_mass,
-        attachment: p.attachment,
-        motor_lag: p.motor_lag,
-        gravity: p.gravity,
-    };
-    let mut plant = PlanarPlant::new(model, start, first_thrust);
+    let mut plant = PlanarPlant::new(s.plant.clone(), start, first_thrust);
     let mut rng = generator(seed, 20);
     let (accel_sd, gyro_sd) = (s.noise.accel_variance.sqrt(), s.noise.gyro_variance.sqrt());
     let dt = 1.0 / s.rate_hz;

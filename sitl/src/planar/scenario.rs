@@ -1,5 +1,6 @@
 //! A planar experiment as TOML. `--set` paths are these keys.
 
+use super::PlanarPlantModel;
 use serde::{Deserialize, Serialize};
 
 /// What is controlled.
@@ -107,7 +108,7 @@ pub struct PlanarScenario {
     /// Plant steps per sample.
     pub substeps: u32,
     /// The real thing.
-    pub plant: PlantSection,
+    pub plant: PlanarPlantModel,
     /// What the algorithms believe, relative to the real values.
     pub model_error: ModelErrorSection,
     /// Plan.
@@ -129,47 +130,13 @@ impl Default for PlanarScenario {
             feedback: Feedback::Observer,
             rate_hz: 1000.0,
             substeps: 2,
-            plant: PlantSection::default(),
+            plant: PlanarPlantModel::default(),
             model_error: ModelErrorSection::default(),
             reference: ReferenceSection::default(),
             controller: ControllerSection::default(),
             observer: ObserverSection::default(),
             start: StartSection::default(),
             noise: NoiseSection::default(),
-        }
-    }
-}
-
-/// `[plant]`.
-#[derive(Clone, Debug, Deserialize, Serialize, PartialEq)]
-#[serde(default, deny_unknown_fields)]
-pub struct PlantSection {
-    /// kg.
-    pub mass: f64,
-    /// kg m².
-    pub inertia: f64,
-    /// m.
-    pub length: f64,
-    /// kg.
-    pub link_mass: f64,
-    /// Body x and z, m.
-    pub attachment: [f64; 2],
-    /// s.
-    pub motor_lag: f64,
-    /// m/s².
-    pub gravity: f64,
-}
-
-impl Default for PlantSection {
-    fn default() -> Self {
-        Self {
-            mass: 1.0,
-            inertia: 0.25,
-            length: 2.0,
-            link_mass: 0.0,
-            attachment: [0.0, 0.0],
-            motor_lag: 0.0,
-            gravity: crate::plant::GRAVITY,
         }
     }
 }
@@ -376,7 +343,7 @@ impl PlanarScenario {
     #[must_use]
     pub fn conference() -> Self {
         Self {
-            plant: PlantSection { inertia: 0.15, ..PlantSection::default() },
+            plant: PlanarPlantModel { inertia: 0.15, ..PlanarPlantModel::default() },
             reference: ReferenceSection {
                 second: [20.0, -20.0],
                 elevation_smoothness: SmoothKind::C3,
