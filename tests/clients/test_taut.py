@@ -33,6 +33,7 @@ def test_elevation_and_link_force_are_flown_by_commands(sitl, tmp_path):
     station.wait_text("Move refused: a cable cannot push")
     assert move(45, 60, 6, 9, 0, 0, 5) == MAV.MAV_RESULT_ACCEPTED, station.texts
     station.wait_vehicle_seconds(10)
+    station.until(lambda m: m.name == "tlk_force" and abs(m.value - 9) < 1.5, ["NAMED_VALUE_FLOAT"], 30.0, "force")
     assert station.command(MAV.MAV_CMD_DO_SET_MODE, 1, 4, 3) == MAV.MAV_RESULT_ACCEPTED
     station.wait_mode(HOLD)
     station.wait_vehicle_seconds(3)

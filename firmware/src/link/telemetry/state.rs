@@ -121,18 +121,26 @@ impl Link {
         self.send(&m, sink);
     }
 
-    /// Elevation and azimuth in degrees, length in m, tension in N.
+    /// Elevation and azimuth in degrees, length in m, tension in N; in the taut-link modes also elevation
+    /// and pitch in degrees and link force in N as the inertial observer sees them.
     pub(super) fn send_tether<S: Scalar>(&mut self, out: &StepOutput<S>, sink: Sink) {
-        let Some(tether) = &out.estimate.tether else {
-            return;
-        };
-        let values = [
-            ("tet_elev", tether.elevation.to_f32().to_degrees()),
-            ("tet_azim", tether.azimuth.to_f32().to_degrees()),
-            ("tet_len", tether.length.to_f32()),
-            ("tet_tens", tether.tension.to_f32()),
-        ];
-        for (name, value) in values {
+        let degrees = |angle: S| angle.to_f32().to_degrees();
+        let tether = out.estimate.tether.as_ref().map(|tether| {
+            [
+                ("tet_elev", degrees(tether.elevation)),
+                ("tet_azim", degrees(tether.azimuth)),
+                ("tet_len", tether.length.to_f32()),
+                ("tet_tens", tether.tension.to_f32()),
+            ]
+        });
+        let taut = out.taut.as_ref().filter(|_| out.taut_reference.is_some()).map(|taut| {
+            [
+                ("tlk_elev", degrees(taut.planar.elevation)),
+                ("tlk_pitch", degrees(taut.planar.pitch)),
+                ("tlk_force", taut.link_force.to_f32()),
+            ]
+        });
+        for (name, value) in tether.into_iter().flatten().chain(taut.into_iter().flatten()) {
             let m = mav::NAMED_VALUE_FLOAT_DATA {
                 time_boot_ms: out.now.boot_ms(),
                 value,
