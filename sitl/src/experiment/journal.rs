@@ -375,6 +375,7 @@ pub fn motors(ask: &Ask) -> Result<Report, String> {
     let mut report = Report::default();
     const LAGS: [f64; 5] = [0.02, 0.04, 0.08, 0.12, 0.15];
     const CLAIM: &str = "stable up to 0.08 s";
+    let mut curves = Vec::new();
     for law in [LawKind::Force, LawKind::Attitude] {
         for duration in DURATIONS {
             for is_told in [false, true] {
@@ -384,8 +385,12 @@ pub fn motors(ask: &Ask) -> Result<Report, String> {
                     s.observer.motor_lag = if is_told { lag } else { 0.0 };
                     s
                 });
+                let (name, ..) = second(law);
+                let mut points = Vec::new();
                 for (lag, s) in LAGS.iter().zip(scan::summaries(ask, scenarios.to_vec())?) {
-                    let (name, ..) = second(law);
+                    if !s.is_lost() {
+                        points.push((*lag, s.max_after_1s[0].to_degrees()));
+                    }
                     let told = if is_told { "told" } else { "not told" };
                     let is_claimed = *lag <= 0.08;
                     let expected = is_told || law == LawKind::Force && duration > 3.5;
@@ -401,11 +406,13 @@ pub fn motors(ask: &Ask) -> Result<Report, String> {
                         compare,
                     );
                 }
+                curves.push((is_told, format!("{name} {duration} s"), points));
             }
         }
     }
     report
         .notes
         .push("inf: lost. The observer, not the controller, is what cannot bear the lag.".into());
+    report.picture("motors.svg", move |path| pictures::lags(&curves, path));
     Ok(report)
 }

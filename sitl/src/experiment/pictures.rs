@@ -355,3 +355,29 @@ pub fn forms(curves: &[(&'static str, &'static str, Points)], path: &Path) -> Dr
     root.present()?;
     Ok(())
 }
+
+/// Largest elevation error over the motors' time constant, observer not told and told of it; a line that
+/// ends was lost beyond.
+pub fn lags(curves: &[(bool, String, Points)], path: &Path) -> Drawn {
+    let root = SVGBackend::new(path, (1200, 460)).into_drawing_area();
+    root.fill(&WHITE)?;
+    let areas = root.split_evenly((1, 2));
+    for (area, told) in areas.iter().zip([false, true]) {
+        let shown = curves.iter().filter(|(is_told, ..)| *is_told == told);
+        let lines: Vec<Line> = shown
+            .enumerate()
+            .map(|(k, (_, name, points))| {
+                let colour = COLOURS.get(k % COLOURS.len()).copied().unwrap_or(TRUTH);
+                let line = Line::new(name.clone(), colour, points.clone());
+                if k < COLOURS.len() { line } else { line.dashed() }
+            })
+            .collect();
+        let title = if told { "Observer told of the lag" } else { "Observer not told" };
+        let panel =
+            Panel::new(title, "time constant of the motors, s", "largest elevation error, deg")
+                .legend(SeriesLabelPosition::UpperLeft);
+        draw(area, &panel, &lines)?;
+    }
+    root.present()?;
+    Ok(())
+}
