@@ -4,11 +4,12 @@
 
 use tautline_firmware::control::taut::{
     ElevationAttitude, ElevationForce, Inversion, Law, PlanarInput, PlanarLoop, PlanarLoopSettings,
-    PlanarReference, ThrustLimits,
+    ThrustLimits,
 };
 use tautline_firmware::estimate::high_gain::{HighGain, HighGainSettings};
 use tautline_firmware::fault::{Fault, Invalid};
 use tautline_firmware::model::{PlanarImu, PlanarModel};
+use tautline_firmware::signal::PlanarReference;
 use tautline_firmware::supervisor::{GroundState, Mode};
 use tautline_sitl::experiment::{Ask, find};
 use tautline_sitl::flight::Flight;

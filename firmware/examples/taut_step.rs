@@ -4,10 +4,11 @@
 //! `valgrind --tool=callgrind`, the difference between two counts is the cost of a step.
 
 use tautline_firmware::control::taut::{
-    ElevationForce, Inversion, Law, PlanarInput, PlanarLoop, PlanarLoopSettings, PlanarReference,
+    ElevationForce, Inversion, Law, PlanarInput, PlanarLoop, PlanarLoopSettings,
 };
 use tautline_firmware::estimate::high_gain::{Branches, HighGain, HighGainSettings};
 use tautline_firmware::model::{PlanarModel, PlanarState};
+use tautline_firmware::signal::PlanarReference;
 use tautline_firmware::trajectory::ThrustBranch;
 
 fn main() -> Result<(), Box<dyn core::error::Error>> {

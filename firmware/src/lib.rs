@@ -8,8 +8,8 @@
 //! ```
 //!
 //! [`vehicle::Vehicle::step`] is the whole autopilot; board and simulator call the same one. Layers,
-//! lowest first: [`scalar`], [`time`], [`frames`], [`fault`], [`math`], [`model`]; [`signal`] is the data between stages;
-//! [`sense`], [`estimate`], [`trajectory`], [`control`], [`supervisor`] are the stages; [`param`]
+//! lowest first: [`scalar`], [`time`], [`frames`], [`fault`], [`math`], [`model`]; [`signal`] is the data
+//! between stages; [`sense`], [`estimate`], [`trajectory`], [`control`], [`supervisor`] are the stages; [`param`]
 //! holds every setting; [`vehicle`] joins them; [`link`] (MAVLink) and [`log`] (ULog) only read its
 //! output.
 //!

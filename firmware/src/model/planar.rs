@@ -125,15 +125,6 @@ impl<S: Scalar> PlanarModel<S> {
     pub(crate) fn thrust_along(&self, elevation: S, rate: S, link_force: S) -> S {
         link_force - (rate * rate + self.a1 * elevation.sin_cos().0) / self.a2
     }
-
-    /// Smallest thrust magnitude of the plan, N, when elevation, its rate and acceleration and the link
-    /// force are these: `‖(P, S)‖`.
-    #[must_use]
-    pub fn thrust_needed(&self, elevation: S, rate: S, accel: S, link_force: S) -> S {
-        let p = self.thrust_across(elevation, accel);
-        let s = self.thrust_along(elevation, rate, link_force);
-        (p * p + s * s).sqrt()
-    }
 }
 
 impl<S: Scalar> PlanarState<S> {

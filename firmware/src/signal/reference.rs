@@ -46,3 +46,23 @@ pub struct FlightReference<S: Scalar = f32> {
     /// Tension, N.
     pub tension: S,
 }
+
+/// What a taut-link mode controls beside the elevation.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum TautPurpose {
+    /// Link force.
+    #[default]
+    Force,
+    /// Pitch.
+    Attitude,
+}
+
+/// Elevation and a second output in the plane of a taut link, with derivatives. What a law does not use
+/// is ignored.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PlanarReference<S> {
+    /// Elevation, rad, to its fourth derivative.
+    pub elevation: [S; 5],
+    /// Pitch, rad, or link force, N, to its second derivative.
+    pub second: [S; 3],
+}

@@ -1,10 +1,9 @@
 //! A smooth move of elevation and link force, or elevation and pitch, and whether it can be flown.
 
 use super::{SmoothMove, Smoothness, ThrustBranch};
-use crate::control::taut::PlanarReference;
-use crate::estimate::taut::Purpose;
 use crate::model::{LinkKind, PlanarModel, PlanarState};
 use crate::scalar::Scalar;
+use crate::signal::{PlanarReference, TautPurpose};
 
 /// Points of a move that are checked.
 const CHECKS: u8 = 32;
@@ -31,7 +30,7 @@ pub struct TautBounds<S> {
 /// Two smooth moves side by side.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TautPlan<S> {
-    purpose: Purpose,
+    purpose: TautPurpose,
     elevation: SmoothMove<S>,
     second: SmoothMove<S>,
     time: S,
@@ -40,7 +39,7 @@ pub struct TautPlan<S> {
 impl<S: Scalar> TautPlan<S> {
     /// Stay at an elevation, rad, and a link force, N, or pitch, rad.
     #[must_use]
-    pub fn stay(purpose: Purpose, elevation: S, second: S) -> Self {
+    pub fn stay(purpose: TautPurpose, elevation: S, second: S) -> Self {
         Self {
             purpose,
             elevation: SmoothMove::stay(elevation, elevation_order(purpose)),
@@ -52,7 +51,7 @@ impl<S: Scalar> TautPlan<S> {
     /// From and to, in `duration` s; `None` for values that are no numbers or no time.
     #[must_use]
     pub fn go(
-        purpose: Purpose,
+        purpose: TautPurpose,
         [from, to]: [S; 2],
         [second_from, second_to]: [S; 2],
         duration: S,
@@ -102,7 +101,7 @@ impl<S: Scalar> TautPlan<S> {
     pub fn check(&self, bounds: &TautBounds<S>) -> Result<(), &'static str> {
         let step = self.elevation.duration() / S::lit(f64::from(CHECKS));
         let [first, ..] = self.second.at(S::zero());
-        if self.purpose == Purpose::Force {
+        if self.purpose == TautPurpose::Force {
             let last = self.second.end();
             let is_crossing = (first > S::zero()) != (last > S::zero());
             check_carried(bounds.kind, last)?;
@@ -132,11 +131,11 @@ impl<S: Scalar> TautPlan<S> {
     ) -> Result<(), &'static str> {
         let model = &bounds.model;
         let (state, thrust) = match self.purpose {
-            Purpose::Force => model
+            TautPurpose::Force => model
                 .flat_force(&point.elevation, &point.second, ThrustBranch::Positive)
                 .map(|(flat, _)| (flat.state, flat.thrust))
                 .map_err(|_| "Move refused: it needs no thrust at all")?,
-            Purpose::Attitude => {
+            TautPurpose::Attitude => {
                 let [phi, phi1, phi2, phi3, _] = point.elevation;
                 model
                     .flat_attitude(&[phi, phi1, phi2, phi3], &point.second)
@@ -182,9 +181,9 @@ fn check_carried<S: Scalar>(kind: LinkKind, force: S) -> Result<(), &'static str
     }
 }
 
-fn elevation_order(purpose: Purpose) -> Smoothness {
+fn elevation_order(purpose: TautPurpose) -> Smoothness {
     match purpose {
-        Purpose::Force => Smoothness::C4,
-        Purpose::Attitude => Smoothness::C3,
+        TautPurpose::Force => Smoothness::C4,
+        TautPurpose::Attitude => Smoothness::C3,
     }
 }

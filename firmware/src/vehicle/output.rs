@@ -1,14 +1,13 @@
 //! What goes in and what comes out. Log and telemetry only read [`StepOutput`].
 
 use super::Vehicle;
-use crate::control::taut::PlanarReference;
 use crate::estimate::taut::TautEstimate;
 use crate::frames::{Body, V3};
 use crate::scalar::Scalar;
 use crate::sense::RawSensors;
 use crate::signal::{
-    Actuation, Estimate, EventQueue, FlightReference, MixerReport, Reply, Request, Sensors, Sticks,
-    Wrench,
+    Actuation, Estimate, EventQueue, FlightReference, MixerReport, PlanarReference, Reply, Request,
+    Sensors, Sticks, Wrench,
 };
 use crate::supervisor::{GroundState, Mode};
 use crate::time::{Micros, Sample};

@@ -2,14 +2,14 @@
 
 use super::requests::{Refusal, denied, rejected};
 use super::{TautFlight, Vehicle};
-use crate::control::taut::{PlanarReference, TautPilot};
-use crate::estimate::taut::{Purpose, TautEstimate, TautEstimator, TautInput};
+use crate::control::taut::TautPilot;
+use crate::estimate::taut::{TautEstimate, TautEstimator, TautInput};
 use crate::frames::Body;
 use crate::math::wrap_pi;
 use crate::model::LinkKind;
 use crate::param::Params;
 use crate::scalar::Scalar;
-use crate::signal::{Event, EventQueue, Imu, Sensors};
+use crate::signal::{Event, EventQueue, Imu, PlanarReference, Sensors, TautPurpose};
 use crate::supervisor::Mode;
 use crate::time::OUTER_DT;
 use crate::trajectory::{TautBounds, TautPlan};
@@ -53,8 +53,8 @@ impl<S: Scalar> Taut<S> {
     pub fn new(p: &Params) -> Option<Self> {
         let estimator = TautEstimator::try_new(p).ok()?;
         let model = *estimator.model();
-        let force = TautPilot::try_new(p, model, Purpose::Force).ok()?;
-        let attitude = TautPilot::try_new(p, model, Purpose::Attitude).ok()?;
+        let force = TautPilot::try_new(p, model, TautPurpose::Force).ok()?;
+        let attitude = TautPilot::try_new(p, model, TautPurpose::Attitude).ok()?;
         Some(Self {
             bounds: TautBounds {
                 model,
@@ -73,28 +73,28 @@ impl<S: Scalar> Taut<S> {
         })
     }
 
-    fn pilot(&self, purpose: Purpose) -> &TautPilot<S> {
+    fn pilot(&self, purpose: TautPurpose) -> &TautPilot<S> {
         match purpose {
-            Purpose::Force => &self.force,
-            Purpose::Attitude => &self.attitude,
+            TautPurpose::Force => &self.force,
+            TautPurpose::Attitude => &self.attitude,
         }
     }
 }
 
 /// The second output as the observer sees it.
-fn second<S: Scalar>(purpose: Purpose, now: &TautEstimate<S>) -> S {
+fn second<S: Scalar>(purpose: TautPurpose, now: &TautEstimate<S>) -> S {
     match purpose {
-        Purpose::Force => now.link_force,
-        Purpose::Attitude => now.planar.pitch,
+        TautPurpose::Force => now.link_force,
+        TautPurpose::Attitude => now.planar.pitch,
     }
 }
 
 impl Mode {
     /// What a taut-link mode controls; `None` for the other modes.
-    pub(super) fn purpose(self) -> Option<Purpose> {
+    pub(super) fn purpose(self) -> Option<TautPurpose> {
         match self {
-            Self::TautForce => Some(Purpose::Force),
-            Self::TautAttitude => Some(Purpose::Attitude),
+            Self::TautForce => Some(TautPurpose::Force),
+            Self::TautAttitude => Some(TautPurpose::Attitude),
             _ => None,
         }
     }
@@ -134,7 +134,7 @@ impl<S: Scalar> Vehicle<S> {
 
     pub(super) fn request_taut(
         &mut self,
-        purpose: Purpose,
+        purpose: TautPurpose,
         sensors: &Sensors<S>,
     ) -> Result<(), Refusal> {
         let Some(taut) = self.config.taut.filter(|t| !t.bounds.kind.has_winch()) else {
@@ -168,8 +168,8 @@ impl<S: Scalar> Vehicle<S> {
         taut.estimator.watch_sideways(&mut state.taut, azimuth, roll);
         let pilot = taut.pilot(purpose).start(&now);
         self.enter(match purpose {
-            Purpose::Force => Mode::TautForce,
-            Purpose::Attitude => Mode::TautAttitude,
+            TautPurpose::Force => Mode::TautForce,
+            TautPurpose::Attitude => Mode::TautAttitude,
         });
         self.state.taut_flight = Some(TautFlight { pilot, plan, correction, slack: S::zero() });
         Ok(())
@@ -189,8 +189,8 @@ impl<S: Scalar> Vehicle<S> {
             return Err(rejected("Move refused: not in a taut-link mode"));
         };
         let (wanted, other, tolerance) = match purpose {
-            Purpose::Force => (force, pitch, START_FORCE),
-            Purpose::Attitude => (pitch, force, START_PITCH),
+            TautPurpose::Force => (force, pitch, START_FORCE),
+            TautPurpose::Attitude => (pitch, force, START_PITCH),
         };
         if other.iter().any(Option::is_some) {
             return Err(denied("Move refused: not an output of this mode"));
@@ -234,16 +234,16 @@ impl<S: Scalar> Vehicle<S> {
     }
 
     /// Time that keeps the cruise speed along the sphere and a gentle change of force.
-    fn move_time(&self, purpose: Purpose, taut: &Taut<S>, phi: [S; 2], y: [S; 2]) -> S {
+    fn move_time(&self, purpose: TautPurpose, taut: &Taut<S>, phi: [S; 2], y: [S; 2]) -> S {
         let ([from, to], [y_from, y_to]) = (phi, y);
         let peak = S::lit(2.5);
         let way = (to - from).abs() * self.config.tether_length;
         let by_speed = peak * way / taut.cruise.max(S::lit(0.1));
         let by_force = match purpose {
-            Purpose::Force => (y_to - y_from).abs() / S::lit(FORCE_RATE),
-            Purpose::Attitude => (y_to - y_from).abs() * S::lit(10.0),
+            TautPurpose::Force => (y_to - y_from).abs() / S::lit(FORCE_RATE),
+            TautPurpose::Attitude => (y_to - y_from).abs() * S::lit(10.0),
         };
-        if purpose == Purpose::Force && (y_from > S::zero()) != (y_to > S::zero()) {
+        if purpose == TautPurpose::Force && (y_from > S::zero()) != (y_to > S::zero()) {
             return S::lit(CROSSING);
         }
         by_speed.max(by_force).max(S::lit(MOVE_SHORTEST))
@@ -273,8 +273,8 @@ impl<S: Scalar> Vehicle<S> {
         let [wanted, ..] = second;
         let floor = taut.force_min * S::lit(0.5);
         let (expected, patience) = match purpose {
-            Purpose::Force => ((wanted * S::lit(SLACK_SHARE)).max(floor), SLACK_TIME_FORCE),
-            Purpose::Attitude => (floor, SLACK_TIME_ATTITUDE),
+            TautPurpose::Force => ((wanted * S::lit(SLACK_SHARE)).max(floor), SLACK_TIME_FORCE),
+            TautPurpose::Attitude => (floor, SLACK_TIME_ATTITUDE),
         };
         let is_pulling = taut.bounds.kind.is_rigid() || now.link_force > expected;
         flight.slack = if is_pulling { S::zero() } else { flight.slack + dt };

@@ -6,13 +6,14 @@ use super::scenario::{
 };
 use tautline_firmware::control::taut::{
     ElevationAttitude, ElevationAttitudeStatic, ElevationForce, Inversion, Law, PlanarLoop,
-    PlanarLoopSettings, PlanarReference, ThrustLimits,
+    PlanarLoopSettings, ThrustLimits,
 };
 use tautline_firmware::estimate::high_gain::{
     BranchIndex, Branches, Discrimination, HighGain, HighGainSettings, SwitchOff, Update,
 };
 use tautline_firmware::fault::Invalid;
 use tautline_firmware::model::PlanarModel;
+use tautline_firmware::signal::PlanarReference;
 use tautline_firmware::trajectory::{FlatPoint, SmoothMove, Smoothness, ThrustBranch};
 
 /// What flies.

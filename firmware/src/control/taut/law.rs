@@ -4,6 +4,7 @@ use super::{Applied, ElevationAttitude, ElevationForce, ThrustLimits, ThrustStat
 use crate::fault::Fault;
 use crate::model::PlanarState;
 use crate::scalar::Scalar;
+use crate::signal::PlanarReference;
 
 /// Which outputs are controlled.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -12,15 +13,6 @@ pub enum Law<S> {
     Attitude(ElevationAttitude<S>),
     /// Elevation and link force, Γb.
     Force(ElevationForce<S>),
-}
-
-/// References with derivatives. What the law does not use is ignored.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PlanarReference<S> {
-    /// Elevation, rad, to its fourth derivative.
-    pub elevation: [S; 5],
-    /// Pitch, rad, or link force, N, to its second derivative.
-    pub second: [S; 3],
 }
 
 impl<S: Scalar> Law<S> {

@@ -17,7 +17,7 @@ mod thrust_state;
 pub use elevation_attitude::{ElevationAttitude, ElevationAttitudeStatic};
 pub use elevation_force::{ElevationForce, ForceOutputs};
 pub use inversion::Inversion;
-pub use law::{Law, PlanarReference};
+pub use law::Law;
 pub use pilot::{TautPilot, TautPilotState};
 pub use planar_loop::{
     Acting, PlanarCommand, PlanarInput, PlanarLoop, PlanarLoopSettings, PlanarLoopState,

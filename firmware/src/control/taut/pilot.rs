@@ -1,16 +1,15 @@
 //! A law of the plane, flown in three dimensions: thrust, pitch rate with its acceleration, and the
 //! sideways and heading loops beside. `flight` sections 2 and 3.
 
-use super::{
-    ElevationAttitude, ElevationForce, Inversion, Law, PlanarReference, ThrustLimits, ThrustState,
-};
+use super::{ElevationAttitude, ElevationForce, Inversion, Law, ThrustLimits, ThrustState};
 use crate::control::AttitudeCommand;
-use crate::estimate::taut::{Purpose, TautEstimate};
+use crate::estimate::taut::TautEstimate;
 use crate::fault::{Fault, Invalid};
 use crate::frames::{Body, V3};
 use crate::model::PlanarModel;
 use crate::param::Params;
 use crate::scalar::Scalar;
+use crate::signal::{PlanarReference, TautPurpose};
 use crate::time::OUTER_DT;
 
 /// Largest pitch acceleration, rad/s², and pitch rate, rad/s, asked.
@@ -57,21 +56,25 @@ impl<S: Scalar> TautPilot<S> {
     ///
     /// # Errors
     /// [`Invalid`] naming the setting; the parameters' ranges exclude it.
-    pub fn try_new(p: &Params, model: PlanarModel<S>, purpose: Purpose) -> Result<Self, Invalid> {
+    pub fn try_new(
+        p: &Params,
+        model: PlanarModel<S>,
+        purpose: TautPurpose,
+    ) -> Result<Self, Invalid> {
         let window = |(threshold, damping): (f64, f64)| Inversion::Window {
             threshold: S::lit(threshold),
             damping: S::lit(damping),
         };
         let scaled = |bandwidth: f32, pole: f64| S::lit(-f64::from(bandwidth) * pole);
         let law = match purpose {
-            Purpose::Force => {
+            TautPurpose::Force => {
                 let pole = |x| scaled(p.taut_force_bandwidth, x);
                 let poles = [1.0, 1.5, 2.0, 2.5].map(pole);
                 let force = [1.0, 1.5].map(pole);
                 let window = window(FORCE_INVERSION);
                 Law::Force(ElevationForce::try_new(model, &poles, &force, window)?)
             }
-            Purpose::Attitude => {
+            TautPurpose::Attitude => {
                 let pole = |x| scaled(p.taut_attitude_bandwidth, x);
                 let poles = [0.75, 1.1, 1.5].map(pole);
                 let pitch = [1.0, 1.5].map(pole);

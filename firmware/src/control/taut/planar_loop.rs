@@ -1,11 +1,12 @@
 //! One observer and one controller on a taut link, stepped together. `planar` sections 6 and 7.
 
-use super::{Law, PlanarReference, ThrustLimits, ThrustState};
+use super::{Law, ThrustLimits, ThrustState};
 use crate::estimate::high_gain::{HighGain, HighGainInput, HighGainState};
 use crate::fault::{Fault, Invalid, not_negative};
 use crate::math::filter::decay;
 use crate::model::{PlanarImu, PlanarState};
 use crate::scalar::Scalar;
+use crate::signal::PlanarReference;
 
 /// Settings apart from observer and law.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -184,15 +185,5 @@ impl<S: Scalar> PlanarLoopState<S> {
     #[must_use]
     pub fn observer(&self) -> &HighGainState<S> {
         &self.observer
-    }
-    /// Thrust and rate as the controller integrates them.
-    #[must_use]
-    pub fn thrust(&self) -> &ThrustState<S> {
-        &self.thrust
-    }
-    /// Whether the hold-off still runs.
-    #[must_use]
-    pub fn time(&self) -> S {
-        self.time
     }
 }

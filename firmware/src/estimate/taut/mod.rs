@@ -17,7 +17,7 @@ use crate::math::filter::{Biquad, Biquad3State, BiquadState};
 use crate::model::{LinkKind, PlanarImu, PlanarModel, PlanarState};
 use crate::param::Params;
 use crate::scalar::Scalar;
-use crate::signal::Imu;
+use crate::signal::{Imu, TautPurpose};
 use crate::time::OUTER_DT;
 
 /// Low-pass of specific force, rate and thrust alike, Hz.
@@ -26,16 +26,6 @@ const CUTOFF_HZ: f32 = 10.0;
 /// through zero, and noise near it throws the estimate off: better blind for longer.
 const CABLE_FORCE_MIN: f64 = 0.5;
 const RIGID_FORCE_MIN: f64 = 1.2;
-
-/// Which of the two observer speeds.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Purpose {
-    /// For elevation and link force.
-    #[default]
-    Force,
-    /// For elevation and pitch.
-    Attitude,
-}
 
 /// Configuration.
 #[derive(Clone, Copy, Debug)]
@@ -84,7 +74,7 @@ pub struct TautInput<S: Scalar> {
     /// Roll by the attitude filter, rad: used until the sideways filter runs.
     pub roll: S,
     /// Which observer speed.
-    pub purpose: Purpose,
+    pub purpose: TautPurpose,
 }
 
 /// What is known of vehicle and link.
@@ -167,8 +157,8 @@ impl<S: Scalar> TautEstimator<S> {
         let thrust_rate = (in_plane - state.last_thrust.unwrap_or(in_plane)) / S::lit(OUTER_DT);
         state.last_thrust = Some(in_plane);
         let observer = match input.purpose {
-            Purpose::Force => &self.force,
-            Purpose::Attitude => &self.attitude,
+            TautPurpose::Force => &self.force,
+            TautPurpose::Attitude => &self.attitude,
         };
         let heard = HighGainInput {
             imu: planar,
