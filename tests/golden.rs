@@ -16,7 +16,7 @@
 mod vectors;
 
 use tautline_firmware::scalar::Scalar;
-use vectors::{file, fullstate, planar, planar_loops};
+use vectors::{file, fullstate, planar, planar_loops, planar_observer};
 
 #[test]
 fn fullstate_every_group_is_known_and_some_are_checked() {
@@ -105,7 +105,7 @@ fn planar_groups_f32() {
 fn planar_observer_streams_f64() {
     let Some(file) = file("planar.json") else { return };
     for (i, stream) in file["observer_streams"].as_array().into_iter().flatten().enumerate() {
-        planar::stream::<f64>(&format!("stream {i}"), stream, 1e-7);
+        planar_observer::stream::<f64>(&format!("stream {i}"), stream, 1e-7);
     }
 }
 
@@ -114,7 +114,7 @@ fn planar_observer_streams_f64() {
 fn planar_observer_streams_f32() {
     let Some(file) = file("planar.json") else { return };
     for (i, stream) in file["observer_streams"].as_array().into_iter().flatten().enumerate() {
-        planar::stream::<f32>(&format!("stream {i}"), stream, 1e-2);
+        planar_observer::stream::<f32>(&format!("stream {i}"), stream, 1e-2);
     }
 }
 

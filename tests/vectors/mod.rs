@@ -3,6 +3,7 @@
 pub mod fullstate;
 pub mod planar;
 pub mod planar_loops;
+pub mod planar_observer;
 
 use serde_json::Value;
 use std::path::PathBuf;
