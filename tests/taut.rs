@@ -9,6 +9,7 @@ use tautline_firmware::control::taut::{
 use tautline_firmware::estimate::high_gain::{HighGain, HighGainSettings};
 use tautline_firmware::fault::{Fault, Invalid};
 use tautline_firmware::model::{PlanarImu, PlanarModel};
+use tautline_firmware::param::Params;
 use tautline_firmware::signal::PlanarReference;
 use tautline_firmware::supervisor::{GroundState, Mode};
 use tautline_sitl::experiment::{Ask, find};
@@ -60,8 +61,10 @@ fn one_seed_of_every_flight_row_keeps_its_limits() {
 fn a_slack_hover_calibrates_the_thrust_and_the_vehicle_goes_out_until_the_link_pulls() {
     let mut flight = flight(include_str!("../sitl/scenarios/taut-slack.toml"), 2);
     let (mut real, mut commanded) = (0.0, 0.0);
+    let mut told = None;
     while !heard(&flight, "Thrust calibrated") {
         let out = flight.step(&mut |_| {});
+        told = out.reply.and_then(|reply| reply.parameter);
         if flight.world.time() > 10.0 {
             real += flight.world.plant.thrust();
             commanded += f64::from(out.estimate.thrust);
@@ -70,6 +73,7 @@ fn a_slack_hover_calibrates_the_thrust_and_the_vehicle_goes_out_until_the_link_p
     }
     let scale = f64::from(flight.world.vehicle.params().thrust_scale);
     assert!((scale - real / commanded).abs() < 0.01, "{scale}, truth {}", real / commanded);
+    assert_eq!(told, Params::index_of(b"THR_SCALE"), "the ground station hears the new value");
     assert!((scale - 1.0).abs() > 0.02, "nothing to calibrate in this seed");
     flight.fly(120.0);
     let summary = flight.metrics.summary();

@@ -109,6 +109,14 @@ pub struct Reply {
     pub parameter: Option<usize>,
 }
 
+impl Reply {
+    /// Tells of a parameter that nobody asked to change.
+    #[must_use]
+    pub fn echo(parameter: usize) -> Self {
+        Self { ticket: Ticket::default(), outcome: Outcome::Accepted, parameter: Some(parameter) }
+    }
+}
+
 /// Joystick, each axis -1..1.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Sticks {

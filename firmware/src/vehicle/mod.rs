@@ -82,6 +82,8 @@ struct State<S: Scalar> {
     reference: Option<FlightReference<S>>,
     /// Under way; `None` once done.
     slack_hover: Option<SlackHover<S>>,
+    /// A parameter that the vehicle changed by itself, for the ground station.
+    echo: Option<usize>,
     taut: TautEstimatorState<S>,
     /// In the taut-link modes.
     taut_flight: Option<TautFlight<S>>,
@@ -145,6 +147,7 @@ impl<S: Scalar> Vehicle<S> {
             attitude: AttitudeCommand::idle(),
             reference: None,
             slack_hover: None,
+            echo: None,
             taut: TautEstimatorState::default(),
             taut_flight: None,
             rate: RateState::default(),
@@ -188,6 +191,7 @@ impl<S: Scalar> Vehicle<S> {
             self.fly(&sensors, input.now, &mut events);
         }
         self.actuate(&sensors);
+        let reply = reply.or_else(|| self.state.echo.take().map(Reply::echo));
         self.report(input.now, &sensors, reply, events)
     }
 

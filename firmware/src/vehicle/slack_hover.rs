@@ -187,6 +187,7 @@ impl<S: Scalar> Vehicle<S> {
                 self.params.thrust_scale =
                     (self.params.thrust_scale * ratio.to_f32()).clamp(0.5, 1.5);
                 self.config = Config::new(&self.params, self.scale);
+                self.state.echo = Params::index_of(b"THR_SCALE");
                 events.push(Event::info("Thrust calibrated in slack hover"));
             }
             Some(Calibrated::Implausible) => {
