@@ -122,6 +122,21 @@ fn modes_are_refused_where_they_cannot_fly() {
     assert!(heard(&turned, "Mode refused: nose not along the link"), "{:?}", turned.events);
 }
 
+#[test]
+fn a_tether_set_point_becomes_a_smooth_move_of_elevation_and_force() {
+    let step = "[[mission]]\ndo = \"move\"\nelevation = 0.95\ntension = 8.0\n";
+    let mut flight = fly(&vehicle(), "force", step);
+    until(&mut flight, 60.0, |out| out.mode == Mode::TautForce);
+    until(&mut flight, 30.0, |out| {
+        out.taut_reference.is_some_and(|r| {
+            (r.elevation[0] - 0.95).abs() < 1e-3 && (r.second[0] - 8.0).abs() < 1e-3
+        })
+    });
+    run(&mut flight, 4.0);
+    assert!((flight.world.plant.tether.tension - 8.0).abs() < 1.0);
+    assert!(!heard(&flight, "refused"), "{:?}", flight.events);
+}
+
 /// A move from 45° and 6 N, or 13° of pitch, and what the operator must read.
 fn refused(control: &str, elevation: &str, second: &str, duration: f64, reason: &str) {
     let step = format!(
