@@ -11,7 +11,9 @@ use tautline_firmware::fault::{Fault, Invalid};
 use tautline_firmware::model::{PlanarImu, PlanarModel};
 use tautline_firmware::param::Params;
 use tautline_firmware::signal::PlanarReference;
+use tautline_firmware::signal::{Action, Outcome, Request, Ticket};
 use tautline_firmware::supervisor::{GroundState, Mode};
+use tautline_firmware::vehicle::StepInput;
 use tautline_sitl::experiment::{Ask, find};
 use tautline_sitl::flight::Flight;
 use tautline_sitl::pilot::Progress;
@@ -80,6 +82,27 @@ fn a_slack_hover_calibrates_the_thrust_and_the_vehicle_goes_out_until_the_link_p
     assert_eq!(summary.lost, None);
     assert!(summary.taut.unwrap().elevation_rms_rad < 0.05, "{summary:?}");
     assert_eq!(*flight.pilot.progress(), Progress::Done);
+}
+
+/// There is no position yet, so neither a hold nor a landing by position may begin.
+#[test]
+fn a_slack_hover_is_left_downwards_only() {
+    let text = include_str!("../sitl/scenarios/taut-slack.toml");
+    let head = text.split("[[mission]]").next().unwrap();
+    let begin = "FS_LINK_T = 0.5\n[[mission]]\ndo = \"arm\"\n[[mission]]\ndo = \"takeoff\"\naltitude = 3.5\n";
+    let fault = "[[fault]]\nkind = \"link_lost\"\nat = 10.5\n";
+    let mut flight = flight(&format!("{head}{begin}{fault}"), 2);
+    until(&mut flight, 12.0, |out| out.mode == Mode::Takeoff && out.estimate.height > 0.8);
+    let request = Request { ticket: Ticket::default(), action: Action::SetMode(Mode::TetherHold) };
+    let mut vehicle = flight.world.vehicle.clone();
+    let now = flight.world.now();
+    let out = vehicle.step(&StepInput { now, request: Some(request), ..StepInput::default() });
+    assert_eq!((out.mode, out.reply.unwrap().outcome), (Mode::Takeoff, Outcome::Rejected));
+
+    let seen = until(&mut flight, 5.0, |out| out.mode != Mode::Takeoff);
+    assert_eq!(seen.mode, Mode::Descent, "{:?}", flight.events);
+    until(&mut flight, 30.0, |out| !out.is_armed);
+    assert!(flight.metrics.touch_down.unwrap() < 0.8);
 }
 
 #[test]

@@ -147,7 +147,7 @@ impl<S: Scalar> Vehicle<S> {
         if needs.sticks && !self.sticks_are_up(now) {
             return Err(rejected("Mode refused: no joystick"));
         }
-        if needs.position && self.state.estimate.position.is_none() {
+        if needs.position && !self.has_place() {
             return Err(rejected("Mode refused: no position estimate"));
         }
         if self.is_in_air() {

@@ -43,6 +43,11 @@ impl<S: Scalar> Vehicle<S> {
         }
     }
 
+    /// Whether there is a position to fly by; on the way up on a slack link there is none yet.
+    pub(super) fn has_place(&self) -> bool {
+        self.state.estimate.position.is_some() && self.state.slack_hover.is_none()
+    }
+
     /// In a taut-link mode its own observer says so.
     fn link_is_taut(&self) -> bool {
         match self.state.taut.estimate().filter(|_| self.state.taut_flight.is_some()) {
@@ -100,11 +105,8 @@ impl<S: Scalar> Vehicle<S> {
             return;
         };
         // Landing needs a position; without one, level and down.
-        let mode = if mode.rule().needs.position && self.state.estimate.position.is_none() {
-            Mode::Descent
-        } else {
-            mode
-        };
+        let mode =
+            if mode.rule().needs.position && !self.has_place() { Mode::Descent } else { mode };
         let rank = |mode: Mode| match mode {
             Mode::Descent => 2,
             Mode::Land => 1,
@@ -128,6 +130,7 @@ impl<S: Scalar> Vehicle<S> {
             return;
         }
         state.mode = mode;
+        state.slack_hover = None;
         self.end_taut();
         let state = &mut self.state;
         if state.armed_at.is_none() || state.ground == GroundState::OnGround {
