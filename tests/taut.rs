@@ -146,6 +146,19 @@ fn modes_are_refused_where_they_cannot_fly() {
 }
 
 #[test]
+fn one_taut_link_mode_hands_over_to_the_other_in_flight() {
+    let other = "[[mission]]\ndo = \"hold\"\nseconds = 3.0\n[[mission]]\ndo = \"taut\"\ncontrol = \"attitude\"\n";
+    let mut flight = fly(&vehicle(), "force", &format!("{other}{HOLD}"));
+    until(&mut flight, 60.0, |out| out.mode == Mode::TautAttitude);
+    let out = run(&mut flight, 20.0);
+    assert_eq!(out.mode, Mode::TautAttitude);
+    assert!(out.taut.unwrap().lateral.is_some(), "nobody watches the sideways motion");
+    let summary = flight.metrics.summary();
+    assert_eq!(summary.lost, None);
+    assert!(summary.taut.unwrap().azimuth_max_rad < 0.35, "{summary:?}");
+}
+
+#[test]
 fn a_tether_set_point_becomes_a_smooth_move_of_elevation_and_force() {
     let step = "[[mission]]\ndo = \"move\"\nelevation = 0.95\ntension = 8.0\n";
     let mut flight = fly(&vehicle(), "force", step);

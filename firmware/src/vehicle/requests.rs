@@ -112,13 +112,14 @@ impl<S: Scalar> Vehicle<S> {
     }
 
     pub(super) fn disarm(&mut self, event: Event, events: &mut EventQueue) {
+        self.end_taut();
         let state = &mut self.state;
         state.armed_at = None;
         state.ground = GroundState::OnGround;
         state.takeoff_altitude = None;
         state.slack_hover = None;
         state.reference = None;
-        if state.mode == Mode::Takeoff {
+        if matches!(state.mode, Mode::Takeoff | Mode::TautForce | Mode::TautAttitude) {
             state.mode = Mode::TetherHold;
         }
         events.push(event);

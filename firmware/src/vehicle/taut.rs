@@ -164,13 +164,13 @@ impl<S: Scalar> Vehicle<S> {
             .limit_abs(S::lit(CORRECTION_MAX));
         let elevation = now.planar.elevation - correction;
         let plan = TautPlan::stay(purpose, elevation, second(purpose, &now));
-        let state = &mut self.state;
-        taut.estimator.watch_sideways(&mut state.taut, azimuth, roll);
         let pilot = taut.pilot(purpose).start(&now);
         self.enter(match purpose {
             TautPurpose::Force => Mode::TautForce,
             TautPurpose::Attitude => Mode::TautAttitude,
         });
+        // After the other taut-link mode has ended, which forgets its sideways filter.
+        taut.estimator.watch_sideways(&mut self.state.taut, azimuth, roll);
         self.state.taut_flight = Some(TautFlight { pilot, plan, correction, slack: S::zero() });
         Ok(())
     }
