@@ -15,6 +15,9 @@ LAND = (4 << 16) | (6 << 24)
 TAKEOFF = (4 << 16) | (2 << 24)
 USER_MOVE_TETHER = 31010
 NAN = float("nan")
+# Wall-clock seconds for one answer, and how often to ask.
+PATIENCE = 3.0
+ATTEMPTS = 5
 
 
 class GroundStation:
@@ -43,28 +46,43 @@ class GroundStation:
 
     def receive(self, *types, timeout=30.0):
         """The next message of one of these types."""
+        message = self.listen(*types, timeout=timeout)
+        assert message is not None, f"no {types} within {timeout} s; texts: {self.texts}"
+        return message
+
+    def listen(self, *types, timeout):
+        """The next message of one of these types, or None."""
         end = time.monotonic() + timeout
-        while time.monotonic() < end:
-            message = self.link.recv_match(blocking=True, timeout=1.0)
+        while (left := end - time.monotonic()) > 0:
+            message = self.link.recv_match(blocking=True, timeout=min(left, 1.0))
             if message is None:
                 continue
             if message.get_type() == "STATUSTEXT":
                 self.texts.append(message.text)
             if message.get_type() in types:
                 return message
-        raise AssertionError(f"no {types} within {timeout} s; texts: {self.texts}")
+        return None
 
-    def command(self, command, *params, timeout=10.0):
+    def ask(self, send, matches, kind, what):
+        """Sends and waits for the answer, some times over: UDP may lose either, and the protocols say to repeat."""
+        for attempt in range(ATTEMPTS):
+            with self.lock:
+                send(attempt)
+            end = time.monotonic() + PATIENCE
+            while (left := end - time.monotonic()) > 0:
+                message = self.listen(kind, timeout=left)
+                if message is not None and matches(message):
+                    return message
+        raise AssertionError(f"{what}: no answer to {ATTEMPTS} attempts; texts: {self.texts}")
+
+    def command(self, command, *params):
         """Sends COMMAND_LONG and returns the result of its acknowledgement."""
         filled = list(params) + [0.0] * (7 - len(params))
-        with self.lock:
-            self.link.mav.command_long_send(1 + self.system_offset, 1, command, 0, *filled)
-        end = time.monotonic() + timeout
-        while time.monotonic() < end:
-            ack = self.receive("COMMAND_ACK", timeout=timeout)
-            if ack.command == command:
-                return ack.result
-        raise AssertionError(f"command {command} was not acknowledged")
+
+        def send(attempt):
+            self.link.mav.command_long_send(1 + self.system_offset, 1, command, attempt, *filled)
+
+        return self.ask(send, lambda ack: ack.command == command, "COMMAND_ACK", f"command {command}").result
 
     @property
     def system_offset(self):
@@ -103,27 +121,37 @@ class GroundStation:
         bit = MAV.MAV_MODE_FLAG_SAFETY_ARMED
         self.until(lambda m: bool(m.base_mode & bit) == armed, ["HEARTBEAT"], timeout, f"armed {armed}")
 
-    def parameters(self, timeout=30.0):
-        """All parameters by name."""
+    def parameters(self):
+        """All parameters by name: the list, then one by one whatever of it was lost."""
         with self.lock:
             self.link.mav.param_request_list_send(1 + self.system_offset, 1)
-        found, end = {}, time.monotonic() + timeout
-        while time.monotonic() < end:
-            message = self.receive("PARAM_VALUE", timeout=timeout)
-            found[message.param_id] = message.param_value
+        found = {}
+        while (message := self.listen("PARAM_VALUE", timeout=PATIENCE)) is not None:
+            found[message.param_index] = message
             if len(found) == message.param_count:
-                return found
-        raise AssertionError(f"only {len(found)} parameters")
+                break
+        first = found.get(0) or self._read(b"", 0)
+        for index in set(range(first.param_count)) - found.keys():
+            found[index] = self._read(b"", index)
+        return {message.param_id: message.param_value for message in found.values()}
 
     def set_parameter(self, name, value):
-        with self.lock:
+        def send(_):
             self.link.mav.param_set_send(1 + self.system_offset, 1, name.encode(), value, MAV.MAV_PARAM_TYPE_REAL32)
-        return self.until(lambda m: m.param_id == name, ["PARAM_VALUE"], 10.0, name).param_value
+
+        return self.ask(send, lambda m: m.param_id == name, "PARAM_VALUE", name).param_value
 
     def read_parameter(self, name):
-        with self.lock:
-            self.link.mav.param_request_read_send(1 + self.system_offset, 1, name.encode(), -1)
-        return self.until(lambda m: m.param_id == name, ["PARAM_VALUE"], 10.0, name).param_value
+        return self._read(name.encode(), -1).param_value
+
+    def _read(self, name, index):
+        def send(_):
+            self.link.mav.param_request_read_send(1 + self.system_offset, 1, name, index)
+
+        def matches(message):
+            return message.param_index == index if index >= 0 else message.param_id == name.decode()
+
+        return self.ask(send, matches, "PARAM_VALUE", f"parameter {name or index}")
 
     def arm(self):
         assert self.command(MAV.MAV_CMD_COMPONENT_ARM_DISARM, 1) == MAV.MAV_RESULT_ACCEPTED, self.texts
