@@ -16,7 +16,7 @@
 mod vectors;
 
 use tautline_firmware::scalar::Scalar;
-use vectors::{file, fullstate, planar, planar_loops, planar_observer};
+use vectors::{file, fullstate, inertial, inertial_worlds, planar, planar_loops, planar_observer};
 
 #[test]
 fn fullstate_every_group_is_known_and_some_are_checked() {
@@ -124,4 +124,36 @@ fn planar_closed_loops_f64() {
     for scenario in file["closed_loop"].as_array().into_iter().flatten() {
         planar_loops::check(scenario);
     }
+}
+
+#[test]
+fn inertial_every_group_is_known() {
+    let Some(file) = file("inertial.json") else { return };
+    for group in file.as_object().unwrap().keys() {
+        assert!(inertial_worlds::is_known(group), "unknown group {group} in inertial.json");
+    }
+}
+
+/// Calls a check if the file is there.
+macro_rules! checks {
+    ($($name:ident, $file:literal, $check:expr;)+) => {$(
+        #[test]
+        fn $name() {
+            if let Some(file) = file($file) {
+                $check(&file);
+            }
+        }
+    )+};
+}
+
+// f64: the specification's tolerances. f32: about eight times the largest error seen; the recorded run
+// passes through re-initialisations where a square root amplifies rounding.
+checks! {
+    inertial_singles_f64, "inertial.json", |file| inertial::singles::<f64>(file, 1e-9, 1e-7);
+    inertial_singles_f32, "inertial.json", |file| inertial::singles::<f32>(file, 2e-4, 1e-2);
+    inertial_poles, "inertial.json", inertial_worlds::poles;
+    inertial_plant_steps, "inertial.json", inertial_worlds::plant_steps;
+    inertial_monte_carlo, "inertial.json", inertial_worlds::monte_carlo;
+    inertial_closed_loops, "inertial.json", inertial_worlds::closed_loops;
+    inertial_closed_loops_in_space, "inertial.json", inertial_worlds::closed_loops_in_space;
 }

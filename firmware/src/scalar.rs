@@ -37,6 +37,18 @@ pub trait Scalar:
     /// Neither infinite nor NaN. Always true in fixed point.
     fn is_finite(self) -> bool;
 
+    /// Angle in [-pi/2, pi/2] whose sine this is; arguments beyond [-1, 1] count as its ends.
+    #[inline]
+    fn asin(self) -> Self {
+        let x = self.limit_abs(Self::one());
+        x.atan2(((Self::one() - x) * (Self::one() + x)).sqrt())
+    }
+    /// Angle in [0, pi] whose cosine this is; arguments beyond [-1, 1] count as its ends.
+    #[inline]
+    fn acos(self) -> Self {
+        let x = self.limit_abs(Self::one());
+        ((Self::one() - x) * (Self::one() + x)).sqrt().atan2(x)
+    }
     /// Absolute value.
     #[inline]
     fn abs(self) -> Self {

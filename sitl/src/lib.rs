@@ -24,5 +24,6 @@ pub mod scenario;
 pub mod sensor;
 pub mod settings;
 pub mod taut_metrics;
+pub mod tether_angle;
 pub mod udp;
 pub mod world;

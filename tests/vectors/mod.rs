@@ -1,6 +1,8 @@
 //! Reading and comparing golden vectors.
 
 pub mod fullstate;
+pub mod inertial;
+pub mod inertial_worlds;
 pub mod planar;
 pub mod planar_loops;
 pub mod planar_observer;

@@ -9,6 +9,7 @@ mod mixer;
 mod position;
 mod rate;
 pub mod taut;
+mod tether_angle;
 mod thrust_map;
 mod vertical;
 
@@ -16,5 +17,6 @@ pub use attitude::{AttitudeCommand, AttitudeLoop};
 pub use mixer::{Mixer, Priority};
 pub use position::{Link, PositionInput, PositionLoop, PositionOutput, PositionState};
 pub use rate::{RateLoop, RateSetpoint, RateState};
+pub use tether_angle::{TetherAngleCommand, TetherAngleLoop, attachment_compensation};
 pub use thrust_map::ThrustMap;
 pub use vertical::{ClimbLoop, ClimbState};

@@ -20,6 +20,7 @@ mod mahony;
 mod start_up;
 pub mod taut;
 mod tether;
+pub mod tether_angle;
 mod thrust_model;
 mod thrust_scale;
 mod velocity;

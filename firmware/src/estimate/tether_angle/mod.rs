@@ -1,0 +1,14 @@
+//! Where does the tether point, from accelerometer, gyro and thrust alone? `inertial`, after Lupashin
+//! and D'Andrea.
+//!
+//! [`locate`] solves one reading; [`TetherAngleUkf`] filters a vertical plane; [`TetherAngles`] joins two
+//! planes. None of them needs a position, a magnetometer or a force sensor; all of them need the thrust:
+//! 4 % of error there is 4 to 7° of tether angle.
+
+mod minimal;
+mod spatial;
+mod ukf;
+
+pub use minimal::{Located, NotLocated, TENSION_FLOOR, locate};
+pub use spatial::{TetherAngles, TetherAnglesState, TiltFrame};
+pub use ukf::{Belief, Corrected, TetherAngleMode, TetherAngleState, TetherAngleUkf};
