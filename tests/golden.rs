@@ -16,7 +16,10 @@
 mod vectors;
 
 use tautline_firmware::scalar::Scalar;
-use vectors::{file, fullstate, inertial, inertial_worlds, planar, planar_loops, planar_observer};
+use vectors::{
+    file, fullstate, inertial, inertial_worlds, localization, localization_worlds, planar,
+    planar_loops, planar_observer,
+};
 
 #[test]
 fn fullstate_every_group_is_known_and_some_are_checked() {
@@ -134,6 +137,14 @@ fn inertial_every_group_is_known() {
     }
 }
 
+#[test]
+fn localization_every_group_is_known() {
+    let Some(file) = file("localization.json") else { return };
+    for group in file.as_object().unwrap().keys() {
+        assert!(localization_worlds::is_known(group), "unknown group {group} in localization.json");
+    }
+}
+
 /// Calls a check if the file is there.
 macro_rules! checks {
     ($($name:ident, $file:literal, $check:expr;)+) => {$(
@@ -156,4 +167,14 @@ checks! {
     inertial_monte_carlo, "inertial.json", inertial_worlds::monte_carlo;
     inertial_closed_loops, "inertial.json", inertial_worlds::closed_loops;
     inertial_closed_loops_in_space, "inertial.json", inertial_worlds::closed_loops_in_space;
+}
+
+// f32: ten times the largest error seen. The low-pass holds its last solution where a check fails, and a
+// check on the edge may fail a sample earlier or later.
+checks! {
+    localization_singles_f64, "localization.json", |file| localization::singles::<f64>(file, 1e-9, 1e-6);
+    localization_singles_f32, "localization.json", |file| localization::singles::<f32>(file, 2e-4, 1e-2);
+    localization_derivatives, "localization.json", localization_worlds::derivatives;
+    localization_recorded_flight, "localization.json", localization_worlds::recorded;
+    localization_tables, "localization.json", localization_worlds::tables;
 }

@@ -12,6 +12,7 @@ pub mod command;
 pub mod experiment;
 pub mod flight;
 pub mod inject;
+pub mod localization;
 pub mod metrics;
 pub mod parallel;
 pub mod params_file;

@@ -3,6 +3,8 @@
 pub mod fullstate;
 pub mod inertial;
 pub mod inertial_worlds;
+pub mod localization;
+pub mod localization_worlds;
 pub mod planar;
 pub mod planar_loops;
 pub mod planar_observer;

@@ -54,14 +54,14 @@ pub struct Ekf4Measurement<S: Scalar> {
     pub length: Option<S>,
 }
 
-/// Squared innovations over their variances.
+/// Squared innovations over their variances; `None` where no finite reading came.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Innovations<S> {
-    /// Mean of three axes.
-    pub accel: S,
-    /// If there was an altitude.
+    /// Mean of the axes.
+    pub accel: Option<S>,
+    /// Of the altitude.
     pub altitude: Option<S>,
-    /// If there was a length.
+    /// Of the length.
     pub length: Option<S>,
 }
 
@@ -77,6 +77,27 @@ impl<S: Scalar> Ekf4State<S> {
             x: Vector4::new(position.x, position.y, position.z, tension),
             covariance: Matrix4::from_diagonal(&Vector4::new(p, p, p, S::one())),
         }
+    }
+    /// At a known pull that the filter shall not change (with a tension noise of zero): the three-state
+    /// filter, position alone.
+    #[must_use]
+    pub fn with_known_tension(position: V3<S>, variance: S, tension: S) -> Self {
+        Self {
+            x: Vector4::new(position.x, position.y, position.z, tension),
+            covariance: Matrix4::from_diagonal(&Vector4::new(
+                variance,
+                variance,
+                variance,
+                S::zero(),
+            )),
+        }
+    }
+    /// Whether the estimate stands on its mirror image: position and pull both reversed give the same
+    /// specific force. It is not clipped, because that would falsify the covariance; the altimeter
+    /// brings it back.
+    #[must_use]
+    pub fn tension_is_negative(&self) -> bool {
+        self.x.w < S::zero()
     }
     /// From the anchor, NED, m.
     #[must_use]
@@ -96,11 +117,48 @@ impl<S: Scalar> Ekf4State<S> {
     }
 }
 
+fn direction<S: Scalar>(position: V3<S>) -> (V3<S>, S) {
+    let length = so3::norm(&position).max(S::lit(LENGTH_FLOOR));
+    (position / length, length)
+}
+
+/// The accelerometer over g at a place, under a pull and a thrust, N; `weight` is m g, N.
+#[must_use]
+pub fn cable_reading<S: Scalar>(
+    attitude: &Attitude<S>,
+    position: V3<S>,
+    tension: S,
+    thrust: S,
+    weight: S,
+) -> V3<S> {
+    let (u, _) = direction(position);
+    let pull = so3::transpose_mul(&attitude.0, &u) * (-tension / weight);
+    V3::new(pull.x, pull.y, pull.z - thrust / weight)
+}
+
+/// Its derivative by position and tension, a row for each body axis: the corrected (35).
+#[must_use]
+pub fn cable_jacobian<S: Scalar>(
+    attitude: &Attitude<S>,
+    position: V3<S>,
+    tension: S,
+    weight: S,
+) -> [Vector4<S>; 3] {
+    let (u, length) = direction(position);
+    let stiffness = -tension / (weight * length);
+    let r = &attitude.0;
+    [so3::col_x(r), so3::col_y(r), so3::col_z(r)].map(|axis| {
+        let across = so3::reject(&axis, &u) * stiffness;
+        Vector4::new(across.x, across.y, across.z, -so3::dot(&axis, &u) / weight)
+    })
+}
+
 impl<S: Scalar> Ekf4<S> {
-    /// Prediction (random walk) and one vector update, all rows linearised at the same state.
+    /// Prediction (random walk) and one vector update, all rows linearised at the same state. A row whose
+    /// reading is not finite is left out.
     ///
     /// # Errors
-    /// [`Fault::NotFinite`] if a reading or the result is; the state is untouched.
+    /// [`Fault::NotFinite`] if the result is; the state is untouched.
     pub fn step(
         &self,
         state: &mut Ekf4State<S>,
@@ -111,31 +169,30 @@ impl<S: Scalar> Ekf4<S> {
         next.covariance += Matrix4::from_diagonal(&q);
 
         let p = state.position();
-        let length = so3::norm(&p).max(S::lit(LENGTH_FLOOR));
-        let u = p / length;
+        let (u, length) = direction(p);
         let tension = state.tension();
         let weight = self.mass * S::lit(GRAVITY);
-        let r = &z.attitude.0;
-        let pull = so3::transpose_mul(r, &u) * (-tension / weight);
-        let predicted = V3::new(pull.x, pull.y, pull.z - z.thrust / weight);
-        let nu = z.accel.0 / S::lit(GRAVITY) - predicted;
+        let nu =
+            z.accel.0 / S::lit(GRAVITY) - cable_reading(&z.attitude, p, tension, z.thrust, weight);
 
         let mut correction = Correction::new(&mut next.covariance);
-        let stiffness = -tension / (weight * length);
-        let mut accel_row = |axis: V3<S>, nu: S| {
-            let across = so3::reject(&axis, &u) * stiffness;
-            let along = -so3::dot(&axis, &u) / weight;
-            correction.row(&Vector4::new(across.x, across.y, across.z, along), nu, self.r_accel)
-        };
-        let accel = accel_row(so3::col_x(r), nu.x)
-            + accel_row(so3::col_y(r), nu.y)
-            + accel_row(so3::col_z(r), nu.z);
+        let mut row =
+            |h: Vector4<S>, nu: S, r: S| nu.is_finite().then(|| correction.row(&h, nu, r));
+        let (mut sum, mut count) = (S::zero(), S::zero());
+        let jacobian = cable_jacobian(&z.attitude, p, tension, weight);
+        for (h, nu) in jacobian.into_iter().zip([nu.x, nu.y, nu.z]) {
+            if let Some(nis) = row(h, nu, self.r_accel) {
+                sum += nis;
+                count += S::one();
+            }
+        }
+        let accel = (count > S::zero()).then(|| sum / count);
         let o = S::zero();
-        let altitude = z.altitude.map(|altitude| {
-            correction.row(&Vector4::new(o, o, -S::one(), o), altitude + p.z, self.r_altitude)
+        let altitude = z.altitude.and_then(|altitude| {
+            row(Vector4::new(o, o, -S::one(), o), altitude + p.z, self.r_altitude)
         });
-        let measured_length = z.length.map(|measured| {
-            correction.row(&Vector4::new(u.x, u.y, u.z, o), measured - length, self.r_length)
+        let measured_length = z.length.and_then(|measured| {
+            row(Vector4::new(u.x, u.y, u.z, o), measured - length, self.r_length)
         });
         let dx = correction.finish();
         next.x += dx;
@@ -144,6 +201,6 @@ impl<S: Scalar> Ekf4<S> {
             return Err(Fault::NotFinite);
         }
         *state = next;
-        Ok(Innovations { accel: accel * S::lit(1.0 / 3.0), altitude, length: measured_length })
+        Ok(Innovations { accel, altitude, length: measured_length })
     }
 }

@@ -16,6 +16,7 @@
 
 mod ekf4;
 pub mod high_gain;
+pub mod localization;
 mod mahony;
 mod start_up;
 pub mod taut;
@@ -27,7 +28,7 @@ mod velocity;
 mod vertical;
 
 pub use crate::fault::Fault;
-pub use ekf4::{Ekf4, Ekf4Measurement, Ekf4State, Innovations};
+pub use ekf4::{Ekf4, Ekf4Measurement, Ekf4State, Innovations, cable_jacobian, cable_reading};
 pub use mahony::{Mahony, MahonyState};
 pub use start_up::{LevelState, Leveller};
 pub use tether::{Phase, TetherEstimator, TetherEstimatorState};

@@ -310,7 +310,9 @@ impl<S: Scalar> TetherEstimator<S> {
         distance: S,
     ) {
         let follow = |mean: &mut S, k: f64, sample: S| *mean += (sample - *mean) * S::lit(k);
-        follow(&mut state.health.accel, 0.004, nu.accel);
+        if let Some(accel) = nu.accel {
+            follow(&mut state.health.accel, 0.004, accel);
+        }
         if let Some(altitude) = nu.altitude {
             follow(&mut state.health.altitude, 0.02, altitude);
         }
@@ -319,7 +321,8 @@ impl<S: Scalar> TetherEstimator<S> {
         }
         let h = &state.health;
         let far = !self.has_winch && distance > self.fixed_length * S::lit(1.5);
-        let failed = h.accel > self.divergence_ratio
+        let failed = nu.accel.is_none()
+            || h.accel > self.divergence_ratio
             || h.altitude > self.divergence_ratio
             || h.length > self.divergence_ratio
             || (tension < S::lit(-3.0) && !self.is_rigid)

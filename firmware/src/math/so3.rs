@@ -106,6 +106,24 @@ pub fn exp<S: Scalar>(v: &V3<S>) -> M3<S> {
     }
 }
 
+/// Rotation vector, rad, at most pi long: the inverse of [`exp`].
+#[must_use]
+pub fn log<S: Scalar>(r: &M3<S>) -> V3<S> {
+    let [w, x, y, z] = quaternion(r);
+    let v = V3::new(x, y, z);
+    let sin = norm(&v);
+    // To first order below 1e-6 rad.
+    let scale = if sin > S::lit(1e-6) { S::lit(2.0) * sin.atan2(w) / sin } else { S::lit(2.0) };
+    v * scale
+}
+
+/// `[v]×`: the matrix of the vector product with `v` on the left.
+#[must_use]
+pub fn skew<S: Scalar>(v: &V3<S>) -> M3<S> {
+    let o = S::zero();
+    M3::new(o, -v.z, v.y, v.z, o, -v.x, -v.y, v.x, o)
+}
+
 /// Nearest-enough rotation: Gram–Schmidt on columns 0 and 1, column 2 their cross product
 /// (`fullstate` section 1). `None` if the columns are degenerate or not finite.
 #[must_use]
