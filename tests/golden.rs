@@ -18,7 +18,7 @@ mod vectors;
 use tautline_firmware::scalar::Scalar;
 use vectors::{
     file, fullstate, inertial, inertial_worlds, localization, localization_worlds, planar,
-    planar_loops, planar_observer,
+    planar_loops, planar_observer, sysid,
 };
 
 #[test]
@@ -177,4 +177,5 @@ checks! {
     localization_derivatives, "localization.json", localization_worlds::derivatives;
     localization_recorded_flight, "localization.json", localization_worlds::recorded;
     localization_tables, "localization.json", localization_worlds::tables;
+    localization_sysid, "localization.json", sysid::check;
 }

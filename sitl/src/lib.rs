@@ -24,6 +24,7 @@ pub mod report;
 pub mod scenario;
 pub mod sensor;
 pub mod settings;
+pub mod sysid;
 pub mod taut_metrics;
 pub mod tether_angle;
 pub mod udp;

@@ -8,6 +8,7 @@ pub mod localization_worlds;
 pub mod planar;
 pub mod planar_loops;
 pub mod planar_observer;
+pub mod sysid;
 
 use serde_json::Value;
 use std::path::PathBuf;

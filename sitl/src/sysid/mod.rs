@@ -1,0 +1,21 @@
+//! Thrust from PWM, identified from flight data. `localization` section 8.
+
+#![expect(clippy::indexing_slicing, reason = "numerics on columns of checked length")]
+
+mod arx;
+mod fit;
+mod identify;
+mod polynomial;
+mod prepare;
+mod record;
+mod subspace;
+mod thrust_map;
+
+pub use arx::arx;
+pub use fit::{Form, fit};
+pub use identify::{AHEAD, Identified, Model, STRUCTURES, identify, recommend};
+pub use polynomial::{Polynomial, largest_root};
+pub use prepare::{Prepared, RATE, Signals, low_pass_channel, prepare};
+pub use record::{CHANNELS, Record, read_csv};
+pub use subspace::{StateSpace, subspace};
+pub use thrust_map::{PwmRange, ThrustFit, fit_thrust_map};
