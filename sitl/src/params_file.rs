@@ -28,14 +28,25 @@ pub fn load(params: &mut Params, path: &Path) -> Result<(), String> {
     Ok(())
 }
 
-/// The same format.
+/// The same format, all parameters.
 #[must_use]
 pub fn to_text(params: &Params) -> String {
+    let all: Vec<_> = META
+        .iter()
+        .enumerate()
+        .map(|(index, meta)| (meta.name, f64::from(params.get(index).unwrap_or(meta.default))))
+        .collect();
+    some_to_text(&all)
+}
+
+/// The same format, some of them; names that are not parameters are left out.
+#[must_use]
+pub fn some_to_text(values: &[(&str, f64)]) -> String {
     let mut text = String::from("# Tautline parameters\n");
-    for (index, meta) in META.iter().enumerate() {
-        let value = params.get(index).unwrap_or(meta.default);
+    for (name, value) in values {
+        let Some(meta) = META.iter().find(|meta| meta.name == *name) else { continue };
         let kind = if meta.kind == Kind::Real { 9 } else { 6 };
-        text.push_str(&format!("1\t1\t{}\t{value}\t{kind}\n", meta.name));
+        text.push_str(&format!("1\t1\t{name}\t{}\t{kind}\n", *value as f32));
     }
     text
 }

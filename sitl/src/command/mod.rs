@@ -13,6 +13,7 @@ mod experiment;
 mod fly;
 mod plot;
 mod status;
+mod sysid;
 
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
@@ -49,6 +50,8 @@ enum Command {
     Campaign(campaign::Options),
     /// Reproduce a result of the papers.
     Experiment(experiment::Options),
+    /// Identify thrust from PWM.
+    Sysid(sysid::Options),
     /// Draw a log.
     Plot(plot::Options),
     /// Print all parameters in QGroundControl's file format.
@@ -76,6 +79,7 @@ pub fn run() -> ExitCode {
         Some(Command::Fly(options)) => fly::run(&options),
         Some(Command::Campaign(options)) => campaign::run(&options),
         Some(Command::Experiment(options)) => experiment::run(&options),
+        Some(Command::Sysid(options)) => sysid::run(&options),
         Some(Command::Plot(options)) => plot::run(&options),
         Some(Command::Params) => {
             say!(

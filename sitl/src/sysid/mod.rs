@@ -3,8 +3,10 @@
 #![expect(clippy::indexing_slicing, reason = "numerics on columns of checked length")]
 
 mod arx;
+mod draw;
 mod fit;
 mod identify;
+mod log;
 mod polynomial;
 mod prepare;
 mod record;
@@ -12,8 +14,10 @@ mod subspace;
 mod thrust_map;
 
 pub use arx::arx;
+pub use draw::draw_predictions;
 pub use fit::{Form, fit};
 pub use identify::{AHEAD, Identified, Model, STRUCTURES, identify, recommend};
+pub use log::from_log;
 pub use polynomial::{Polynomial, largest_root};
 pub use prepare::{Prepared, RATE, Signals, low_pass_channel, prepare};
 pub use record::{CHANNELS, Record, read_csv};

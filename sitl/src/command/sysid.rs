@@ -1,0 +1,198 @@
+//! `cargo sitl sysid`.
+
+use super::Failure;
+use crate::params_file;
+use crate::scenario::set_param;
+use crate::sysid::{
+    AHEAD, Identified, Prepared, PwmRange, RATE, Record, ThrustFit, draw_predictions,
+    fit_thrust_map, from_log, identify, prepare, read_csv, recommend,
+};
+use clap::Args;
+use serde_json::{Map, Value, json};
+use std::fs;
+use std::path::{Path, PathBuf};
+use tautline_firmware::param::Params;
+
+/// Options of an identification.
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Examples:\n  cargo sitl sysid flight.csv\n  cargo sitl sysid logs/flight-0001.ulg --out thrust.params --plot out\n  cargo sitl sysid flight.csv --pwm-range 1000,2000 --json\n\nThe table has columns t_s, four that begin with pwm_, thrust_N and perhaps voltage_V. Record it in\nfree flight: there the thrust is minus mass times the specific force along the body's down axis, and\nthat is what is taken from a log (its untethered part in Altitude or Stabilize)."
+)]
+pub struct Options {
+    /// A table, or a log of an untethered flight
+    #[arg(value_name = "FILE.csv|LOG.ulg")]
+    file: PathBuf,
+    /// Print one JSON object instead of the table
+    #[arg(long)]
+    json: bool,
+    /// Write the thrust map's parameters there, for --params
+    #[arg(long, value_name = "FILE.params")]
+    out: Option<PathBuf>,
+    /// Write the picture there
+    #[arg(long, value_name = "DIR")]
+    plot: Option<PathBuf>,
+    /// PWM at throttle 0 and 1; guessed by the largest value if absent
+    #[arg(long, value_name = "LOW,HIGH", allow_hyphen_values = true)]
+    pwm_range: Option<String>,
+    /// Parameters that the vehicle flew with; a log brings its own
+    #[arg(long, value_name = "FILE.params")]
+    params: Option<PathBuf>,
+}
+
+fn pwm_range(options: &Options, record: &Record) -> Result<PwmRange, String> {
+    let Some(text) = &options.pwm_range else { return Ok(PwmRange::guess(record)) };
+    let pair = text
+        .split_once(',')
+        .and_then(|(low, high)| Some((low.trim().parse().ok()?, high.trim().parse().ok()?)));
+    let (low, high) = pair.ok_or_else(|| format!("--pwm-range {text}: not LOW,HIGH"))?;
+    Ok(PwmRange { low, high })
+}
+
+/// Identifies and says what it found.
+pub fn run(options: &Options) -> Result<(), Failure> {
+    let mut before = Params::default();
+    let is_log = options.file.extension().is_some_and(|e| e == "ulg");
+    let record =
+        if is_log { from_log(&options.file, &mut before) } else { read_csv(&options.file) };
+    let record = record.map_err(Failure::Usage)?;
+    if let Some(path) = &options.params {
+        params_file::load(&mut before, path).map_err(Failure::Usage)?;
+    }
+    let range = pwm_range(options, &record).map_err(Failure::Usage)?;
+    let named = |e: String| Failure::Usage(format!("{}: {e}", options.file.display()));
+    let data = prepare(&record).map_err(named)?;
+    let found = identify(&data);
+    let best = recommend(&found);
+    let map = fit_thrust_map(&record, range, &before).map_err(named)?;
+    if options.json {
+        say!("{}", to_json(&found, best, &map, data.filtered.len()));
+    } else {
+        print(&record, &data, &found, best, &map, range);
+    }
+    let write =
+        |path: &Path, e: &dyn std::fmt::Display| Failure::Run(format!("{}: {e}", path.display()));
+    if let Some(path) = &options.out {
+        // What the vehicle would refuse is not written.
+        let mut trial = before;
+        for (name, value) in map.parameters() {
+            set_param(&mut trial, name, value as f32).map_err(|e| write(path, &e))?;
+        }
+        fs::write(path, params_file::some_to_text(&map.parameters()))
+            .map_err(|e| write(path, &e))?;
+        if !options.json {
+            say!("Parameters: {}", path.display());
+        }
+    }
+    if let Some(folder) = &options.plot {
+        fs::create_dir_all(folder).map_err(|e| write(folder, &e))?;
+        let path = folder.join("sysid.svg");
+        draw_predictions(&data, &found, &path).map_err(|e| write(&path, &e))?;
+        if !options.json {
+            say!("Picture: {}", path.display());
+        }
+    }
+    Ok(())
+}
+
+fn print(
+    record: &Record,
+    data: &Prepared,
+    found: &[Result<Identified, String>],
+    best: Option<&Identified>,
+    map: &ThrustFit,
+    range: PwmRange,
+) {
+    say!(
+        "{} rows over {:.1} s, resampled to {} at {RATE} Hz; estimated on the first half",
+        record.time.len(),
+        record.duration(),
+        data.filtered.len()
+    );
+    let ahead = format!("Fit {AHEAD} ahead, %");
+    say!(
+        "{:<20} {ahead:>15} {:>10} {:>10} {:>6}  stable",
+        "structure",
+        "FPE, N²",
+        "MSE, N²",
+        "pole"
+    );
+    for result in found {
+        match result {
+            Ok(m) => {
+                let stable = if m.is_stable { "yes" } else { "NO" };
+                say!(
+                    "{:<20} {:>15.1} {:>10.2e} {:>10.2e} {:>6.3}  {stable}",
+                    m.name,
+                    m.fit,
+                    m.fpe,
+                    m.mse,
+                    m.largest_pole
+                );
+            }
+            Err(e) => say!("{e}"),
+        }
+    }
+    match best {
+        Some(best) => say!("Recommended for prediction: {}", best.name),
+        None => say!("No stable model"),
+    }
+    say!(
+        "A good prediction is mostly the smoothness of the filtered thrust; the static gain is what \
+         localisation needs. Thrust map (PWM {} to {}):",
+        range.low,
+        range.high
+    );
+    for (name, value) in map.parameters() {
+        say!("  {name:<12} {value:.4}");
+    }
+    if map.factor_is_known {
+        say!("  curve known to ±{:.2}; residual {:.3} N rms", map.factor_sd, map.residual);
+    } else {
+        say!(
+            "  the record does not tell the curve (±{:.2}): THR_MDL_FAC is left as it was; residual {:.3} N rms",
+            map.factor_sd,
+            map.residual
+        );
+    }
+    if !map.has_voltage {
+        say!("  no column voltage_V: the maximum holds at the record's mean voltage");
+    }
+}
+
+fn to_json(
+    found: &[Result<Identified, String>],
+    best: Option<&Identified>,
+    map: &ThrustFit,
+    samples: usize,
+) -> Value {
+    let models: Vec<Value> = found
+        .iter()
+        .map(|result| match result {
+            Ok(m) => json!({
+                "structure": m.name,
+                "fit_percent": m.fit,
+                "fpe_n2": m.fpe,
+                "mse_n2": m.mse,
+                "parameters": m.dimension,
+                "largest_pole": m.largest_pole,
+                "stable": m.is_stable,
+            }),
+            Err(e) => json!({ "error": e }),
+        })
+        .collect();
+    let parameters: Map<String, Value> =
+        map.parameters().iter().map(|(name, value)| ((*name).to_owned(), json!(value))).collect();
+    json!({
+        "samples": samples,
+        "models": models,
+        "recommended": best.map(|m| m.name),
+        "thrust_map": {
+            "parameters": parameters,
+            "curve_known": map.factor_is_known,
+            "curve_sd": map.factor_sd,
+            "residual_n": map.residual,
+            "thrust_error_before": map.error_before,
+            "has_voltage": map.has_voltage,
+        },
+    })
+}
