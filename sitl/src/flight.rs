@@ -59,6 +59,9 @@ impl<W: Write> Flight<W> {
         let time = self.world.time();
         let world = &mut self.world;
         self.pilot.step(&out, time, &mut |frame| world.receive(frame, send));
+        if let Some(walk) = self.pilot.take_walk() {
+            self.world.plant.anchor.go(walk);
+        }
         self.metrics.step(&out, &self.world.plant, self.pilot.is_holding());
         self.recorder.write(&out, &self.world.plant);
         self.events.extend(out.events.iter().map(|event| (time, *event)));

@@ -7,6 +7,7 @@
 
 #![forbid(unsafe_code)]
 
+pub mod angle_metrics;
 pub mod campaign;
 pub mod command;
 pub mod experiment;

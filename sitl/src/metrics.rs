@@ -1,5 +1,6 @@
 //! How well was it flown? Against the truth, not the estimate.
 
+use crate::angle_metrics::{AngleFlightSummary, AngleMetrics};
 use crate::plant::{Plant, V3};
 use crate::taut_metrics::{TautMetrics, TautSummary};
 use nalgebra::Rotation3;
@@ -57,6 +58,8 @@ pub struct Metrics {
     pub lost: Option<&'static str>,
     /// In the taut-link modes.
     pub taut: TautMetrics,
+    /// In Tether Angle.
+    pub angle: AngleMetrics,
     /// Largest squared-innovation ratios seen in the air: accelerometer, altitude, length.
     pub health_max: [f64; 3],
     was_touching: bool,
@@ -86,6 +89,8 @@ pub struct Summary {
     pub touch_down_drift_mps: Option<f64>,
     /// In the taut-link modes.
     pub taut: Option<TautSummary>,
+    /// In Tether Angle.
+    pub angle: Option<AngleFlightSummary>,
     /// Why lost.
     pub lost: Option<&'static str>,
 }
@@ -110,7 +115,8 @@ impl Metrics {
         }
         self.was_touching = touches;
         self.taut.step(out, plant);
-        if let Some(why) = self.taut.lost {
+        self.angle.step(out, plant);
+        if let Some(why) = self.taut.lost.or(self.angle.lost) {
             self.lost.get_or_insert(why);
         }
         if !in_air {
@@ -130,14 +136,14 @@ impl Metrics {
             *max = max.max(f64::from(now));
         }
         if let Some(position) = out.estimate.position {
-            let error = position.0.map(f64::from) - body.position;
+            let error = position.0.map(f64::from) - plant.from_anchor();
             self.estimate_horizontal.add(error.x.hypot(error.y));
         }
         if let Some(tether) = out.estimate.tether {
             self.tension.add(f64::from(tether.tension) - plant.tether.tension);
         }
         if let Some(reference) = out.reference {
-            let error = body.position - reference.position.0.map(f64::from);
+            let error = plant.from_anchor() - reference.position.0.map(f64::from);
             if is_holding {
                 self.hold_horizontal.add(error.x.hypot(error.y));
                 self.hold_vertical.add(error.z);
@@ -168,6 +174,7 @@ impl Metrics {
             touch_down_mps: self.touch_down,
             touch_down_drift_mps: self.touch_down_drift,
             taut: self.taut.summary(),
+            angle: self.angle.summary(),
             lost: self.lost,
         }
     }

@@ -1,7 +1,10 @@
 //! The built-in pilot: flies a scenario's mission by MAVLink, as a ground station would.
 
+use crate::plant::{V3, Walk};
 use crate::scenario::{Step, TautControl};
-use mavlink::dialects::common::{COMMAND_LONG_DATA, HEARTBEAT_DATA, MavAutopilot, MavCmd, MavType};
+use mavlink::dialects::common::{
+    COMMAND_LONG_DATA, HEARTBEAT_DATA, MANUAL_CONTROL_DATA, MavAutopilot, MavCmd, MavType,
+};
 use mavlink::{MAVLinkV2MessageRaw, MavHeader, MessageData};
 use tautline_firmware::supervisor::{GroundState, Mode};
 use tautline_firmware::vehicle::StepOutput;
@@ -14,6 +17,10 @@ const PATIENCE: f64 = 120.0;
 const HEARTBEAT_PERIOD: f64 = 0.5;
 /// A command is sent again after this time, s.
 const REPEAT: f64 = 1.0;
+/// Of the joystick, s.
+const STICKS_PERIOD: f64 = 0.05;
+/// Further below the height of an excitation it only climbs, m.
+const CLIMB_FIRST: f64 = 1.5;
 
 /// How the mission stands.
 #[derive(Clone, Debug, PartialEq)]
@@ -51,6 +58,19 @@ fn set_mode(p: &mut [f32; 7], mode: Mode) {
     *p = [1.0, f32::from(main), f32::from(sub), 0.0, 0.0, 0.0, 0.0];
 }
 
+/// Sticks that shake all four motors: square waves of different periods on climb rate, roll and pitch,
+/// about the wanted height.
+fn excitation(out: &StepOutput, altitude: f64, time: f64) -> [f64; 3] {
+    let square = |period: f64| if (time / period).rem_euclid(1.0) < 0.5 { 1.0 } else { -1.0 };
+    let low = altitude - f64::from(out.estimate.height);
+    if low > CLIMB_FIRST {
+        return [0.0, 0.0, 0.8];
+    }
+    let climb = 0.2 * square(1.1) + 0.2 * square(2.7);
+    let back = (0.3 * low).clamp(-0.3, 0.3);
+    [0.12 * square(1.7), 0.12 * square(2.3), 0.5 + climb + back]
+}
+
 /// State of the mission.
 #[derive(Debug)]
 pub struct Pilot {
@@ -62,6 +82,10 @@ pub struct Pilot {
     sequence: u8,
     target: u8,
     progress: Progress,
+    /// Roll, pitch and throttle, once the pilot has the sticks.
+    sticks: Option<[f64; 3]>,
+    sticks_at: f64,
+    walk: Option<Walk>,
 }
 
 impl Pilot {
@@ -77,6 +101,9 @@ impl Pilot {
             sequence: 0,
             target: system,
             progress: if steps.is_empty() { Progress::Done } else { Progress::Flying },
+            sticks: None,
+            sticks_at: f64::NEG_INFINITY,
+            walk: None,
         }
     }
 
@@ -84,6 +111,11 @@ impl Pilot {
     #[must_use]
     pub fn progress(&self) -> &Progress {
         &self.progress
+    }
+
+    /// A walk of the anchor that begins now.
+    pub fn take_walk(&mut self) -> Option<Walk> {
+        self.walk.take()
     }
 
     /// Whether a hold is being flown: the time to measure.
@@ -112,6 +144,17 @@ impl Pilot {
             return;
         };
         let waited = time - self.step_began;
+        if let Some(sticks) = self.sticks.filter(|_| time >= self.sticks_at + STICKS_PERIOD) {
+            self.sticks_at = time;
+            let excited = match step {
+                Step::Excite { altitude, .. } => excitation(out, altitude, waited),
+                _ => sticks,
+            };
+            self.say_sticks(excited, say);
+        }
+        if let Step::WalkAnchor { way: [north, east], speed, ramp } = step {
+            self.walk = Some(Walk { way: V3::new(north, east, 0.0), speed, ramp });
+        }
         if self.is_done(&step, out, waited) {
             self.at += 1;
             self.step_began = time;
@@ -121,13 +164,14 @@ impl Pilot {
         let patience = match step {
             Step::Hold { seconds } => seconds + 1.0,
             Step::AwaitDisarmed { timeout } => timeout,
+            Step::Excite { seconds, .. } => seconds + 1.0,
             _ => PATIENCE,
         };
         if waited > patience {
             self.progress = Progress::Failed(format!("{step:?} not done after {patience} s"));
             return;
         }
-        let is_flight = !matches!(step, Step::Arm | Step::AwaitDisarmed { .. });
+        let is_flight = !matches!(step, Step::Arm | Step::Altitude | Step::AwaitDisarmed { .. });
         if is_flight && !out.is_armed && waited > REPEAT && !matches!(step, Step::Land) {
             self.progress = Progress::Failed(format!("disarmed during {step:?}"));
             return;
@@ -154,6 +198,10 @@ impl Pilot {
                     && taut_rest(out).is_some_and(|(phi, y)| is_at(phi, *to) && is_at(y, *second))
             }
             Step::TetherHold => out.mode == Mode::TetherHold,
+            Step::TetherAngle => out.mode == Mode::TetherAngle,
+            Step::Altitude => out.mode == Mode::Altitude,
+            Step::Excite { seconds, .. } => waited >= *seconds,
+            Step::WalkAnchor { .. } => true,
             Step::Land | Step::AwaitDisarmed { .. } => !out.is_armed,
         }
     }
@@ -201,6 +249,15 @@ impl Pilot {
                 set_mode(&mut p, Mode::TetherHold);
                 MavCmd::MAV_CMD_DO_SET_MODE
             }
+            Step::TetherAngle => {
+                set_mode(&mut p, Mode::TetherAngle);
+                MavCmd::MAV_CMD_DO_SET_MODE
+            }
+            Step::Altitude => {
+                self.sticks = Some([0.0; 3]);
+                set_mode(&mut p, Mode::Altitude);
+                MavCmd::MAV_CMD_DO_SET_MODE
+            }
             Step::TautMove { elevation: [from, to], second: [y_from, y_to], control, duration } => {
                 // Again until it is accepted and flown.
                 let is_there = |(phi, y)| is_at(phi, *to) && is_at(y, *y_to);
@@ -227,7 +284,10 @@ impl Pilot {
                 }
                 MavCmd::MAV_CMD_NAV_LAND
             }
-            Step::Hold { .. } | Step::AwaitDisarmed { .. } => return false,
+            Step::Hold { .. }
+            | Step::Excite { .. }
+            | Step::WalkAnchor { .. }
+            | Step::AwaitDisarmed { .. } => return false,
         };
         let [param1, param2, param3, param4, param5, param6, param7] = p;
         let message = COMMAND_LONG_DATA {
@@ -245,6 +305,19 @@ impl Pilot {
         };
         self.send(&message, say);
         true
+    }
+
+    fn say_sticks(&mut self, [roll, pitch, throttle]: [f64; 3], say: &mut dyn FnMut(&[u8])) {
+        let unit = |x: f64| (x.clamp(-1.0, 1.0) * 1e3) as i16;
+        let message = MANUAL_CONTROL_DATA {
+            x: unit(pitch),
+            y: unit(roll),
+            z: unit(throttle.max(0.0)),
+            r: 0,
+            target: self.target,
+            ..MANUAL_CONTROL_DATA::default()
+        };
+        self.send(&message, say);
     }
 
     fn send<D: MessageData>(&mut self, message: &D, say: &mut dyn FnMut(&[u8])) {

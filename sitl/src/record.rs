@@ -96,7 +96,7 @@ fn true_attitude(timestamp: u64, plant: &Plant) -> VehicleAttitude {
 }
 
 fn true_position(timestamp: u64, plant: &Plant) -> VehicleLocalPosition {
-    let (p, v) = (&plant.body.position, &plant.body.velocity);
+    let (p, v) = (&plant.from_anchor(), &plant.body.velocity);
     let (_, _, heading) = plant.body.attitude.euler_angles();
     VehicleLocalPosition {
         timestamp,
@@ -116,7 +116,7 @@ fn true_position(timestamp: u64, plant: &Plant) -> VehicleLocalPosition {
 }
 
 fn true_tether(timestamp: u64, plant: &Plant) -> TetherState {
-    let p = &plant.body.position;
+    let p = &plant.from_anchor();
     TetherState {
         timestamp,
         elevation: (-p.z).atan2(p.x.hypot(p.y)) as f32,

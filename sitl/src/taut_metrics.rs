@@ -76,8 +76,7 @@ impl TautMetrics {
         };
         self.time += dt;
         let body = &plant.body;
-        let model = &plant.model().tether;
-        let end = body.position + body.attitude * V3::new(0.0, 0.0, model.attachment);
+        let end = plant.end();
         let elevation = (-end.z).atan2(end.x.hypot(end.y));
         let nose = body.attitude * V3::x();
         let heading = nose.y.atan2(nose.x);

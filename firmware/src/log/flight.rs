@@ -28,6 +28,7 @@ struct Topics {
     tether: Topic,
     estimator: Topic,
     taut: Topic,
+    angle: Topic,
 }
 
 /// Writes what each step says. Whoever logs beside it (the simulator's truth) uses [`Self::ulog`].
@@ -62,6 +63,7 @@ impl FlightLog {
         ulog.define::<t::TetherState>("tether_state", sink);
         ulog.define::<t::EstimatorEkf4>("estimator_ekf4", sink);
         ulog.define::<t::EstimatorTaut>("estimator_taut", sink);
+        ulog.define::<t::EstimatorTetherAngle>("estimator_tether_angle", sink);
         define_more(&mut ulog, sink);
         for (index, meta) in META.iter().enumerate() {
             ulog.parameter(meta.name, params.get(index).unwrap_or(meta.default), sink);
@@ -79,6 +81,7 @@ impl FlightLog {
             tether: ulog.subscribe("tether_state", sink),
             estimator: ulog.subscribe("estimator_ekf4", sink),
             taut: ulog.subscribe("estimator_taut", sink),
+            angle: ulog.subscribe("estimator_tether_angle", sink),
         };
         Self { ulog, topics, step: 0, last_state: None }
     }
@@ -103,6 +106,7 @@ impl FlightLog {
             u.write(topics.position, &t::VehicleLocalPosition::of(out), sink);
             u.write(topics.estimator, &t::EstimatorEkf4::of(out), sink);
             optional(u, topics.taut, t::EstimatorTaut::of(out).as_ref(), sink);
+            optional(u, topics.angle, t::EstimatorTetherAngle::of(out).as_ref(), sink);
             optional(u, topics.tether, t::TetherState::of(out).as_ref(), sink);
             optional(
                 u,

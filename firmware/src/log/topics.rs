@@ -1,6 +1,7 @@
 //! What each topic is made of. Names and fields are PX4's where PX4 has the topic.
 
 use super::ulog::record;
+use crate::estimate::tether_angle::{TetherAngleState, plane_angles};
 use crate::frames::V3;
 use crate::scalar::Scalar;
 use crate::supervisor::{GroundState, Mode};
@@ -118,7 +119,7 @@ record! {
     VehicleStatus {
         /// 1 disarmed, 2 armed.
         arming_state: u8,
-        /// Row of the mode table: 0 Stabilize, 1 Altitude, 2 Tether Hold, 3 Takeoff, 4 Land, 5 Descent.
+        /// Row of the mode table, from 0: `supervisor/mode.rs`.
         nav_state: u8,
         /// 0 on ground, 1 taking off, 2 in air, 3 landing.
         ground_state: u8,
@@ -203,6 +204,41 @@ record! {
     }
 }
 
+record! {
+    /// `estimator_tether_angle`: Tether Angle's filters, in the plane of North and up, and of West and up.
+    EstimatorTetherAngle {
+        /// Of the tether from straight up, rad.
+        angle: [f32; 2],
+        /// rad/s.
+        angle_rate: [f32; 2],
+        /// Of the thrust axis from straight up, rad.
+        tilt: [f32; 2],
+        /// One standard deviation of the angle, rad.
+        angle_sd: [f32; 2],
+        /// Asked, rad.
+        angle_setpoint: [f32; 2],
+        /// Of the tether, N.
+        tension: f32,
+        /// What each filter did: 0 no estimate, 1 started, 2 updated, 3 dead reckoning, 4 lost.
+        mode_x: u8,
+        /// See `mode_x`.
+        mode_y: u8,
+    }
+}
+record! {
+    /// A position estimator that runs beside the one that flies.
+    EstimatorPosition {
+        /// North, East, Down from the anchor, m.
+        position: [f32; 3],
+        /// One standard deviation, m; zero where the estimator has none.
+        position_sd: [f32; 3],
+        /// N.
+        tension: f32,
+        /// The tension is on its mirror image, below zero.
+        tension_is_negative: bool,
+    }
+}
+
 fn three<S: Scalar>(v: &V3<S>) -> [f32; 3] {
     [v.x.to_f32(), v.y.to_f32(), v.z.to_f32()]
 }
@@ -252,6 +288,30 @@ impl EstimatorTaut {
                 second_setpoint: second.to_f32(),
                 active: out.taut_reference.is_some(),
             }
+        })
+    }
+}
+
+impl EstimatorTetherAngle {
+    /// `None` outside Tether Angle.
+    pub fn of<S: Scalar>(out: &StepOutput<S>) -> Option<Self> {
+        let angle = out.angle.as_ref()?;
+        let pick = |of: fn(&TetherAngleState<S>) -> S| {
+            let [x, y] = &angle.planes;
+            [of(x).to_f32(), of(y).to_f32()]
+        };
+        let asked = out.reference.map_or([S::zero(); 2], |r| plane_angles(&r.position));
+        let [mode_x, mode_y] = angle.modes().map(|mode| mode as u8);
+        Some(Self {
+            timestamp: out.now.0,
+            angle: pick(|p| p.belief.x.angle),
+            angle_rate: pick(|p| p.belief.x.rate),
+            tilt: pick(|p| p.belief.x.tilt),
+            angle_sd: pick(|p| p.belief.covariance.m11.sqrt()),
+            angle_setpoint: asked.map(Scalar::to_f32),
+            tension: angle.tension.to_f32(),
+            mode_x,
+            mode_y,
         })
     }
 }

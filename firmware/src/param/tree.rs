@@ -203,6 +203,22 @@ params! {
         /// Time constant with which the altimeter corrects the elevation; 0 = by inertia alone.
         taut_altimeter_tau: "TLK_ALT_TAU" Real ["s"] = 1.5 in 0.0 ..= 60.0;
     }
+    "Tether angle" {
+        /// Thrust over mass in Tether Angle. Less than 14 makes the estimate poor, 12 is lost in one flight of seven.
+        angle_thrust: "TAG_THR_ACC" Real ["m/s^2"] = 16.0 in 10.5 ..= 40.0;
+        /// Time constant of the tether angle.
+        angle_tether_time: "TAG_TAU" Real ["s"] = 1.2 in 0.2 ..= 10.0;
+        /// Damping ratio of the tether angle.
+        angle_damping: "TAG_ZETA" Real [""] = 0.8 in 0.1 ..= 3.0;
+        /// Time constant of the tilt.
+        angle_tilt_time: "TAG_TILT_TAU" Real ["s"] = 0.16 in 0.05 ..= 2.0;
+        /// Tension over mass that every asked tilt keeps at rest.
+        angle_tension_min: "TAG_TEN_MIN" Real ["m/s^2"] = 1.5 in 0.0 ..= 20.0;
+        /// Low-pass of specific force and thrust before the filter.
+        angle_accel_tau: "TAG_ACC_TAU" Real ["s"] = 0.06 in 0.0 ..= 1.0;
+        /// Process noise of the filter; 0.02 and more is unstable in two planes.
+        angle_sigma: "TAG_SIGMA" Real ["rad/s^2"] = 0.005 in 0.0001 ..= 0.5;
+    }
     "Take-off and landing" {
         /// Altitude reached when the ground station names none.
         takeoff_altitude: "MIS_TAKEOFF_ALT" Real ["m"] = 5.0 in 1.0 ..= 100.0;

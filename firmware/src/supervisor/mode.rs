@@ -20,6 +20,8 @@ pub enum Mode {
     TautForce,
     /// Elevation and pitch on a taut link, by inertia.
     TautAttitude,
+    /// Direction of a taut tether, by inertia, under constant thrust.
+    TetherAngle,
 }
 
 /// What a mode cannot do without.
@@ -58,8 +60,8 @@ const NOTHING: Needs = Needs { position: false, altitude: false, sticks: false, 
 const POSITION: Needs = Needs { position: true, altitude: true, taut: true, ..NOTHING };
 const TAUT: Needs = Needs { taut: true, ..NOTHING };
 
-/// All modes. The sub modes of PX4's AUTO: 2 take-off, 3 loiter, 5 return, 6 land, 11 to 13 external 1 to 3.
-pub const MODES: [ModeRule; 8] = [
+/// All modes. The sub modes of PX4's AUTO: 2 take-off, 3 loiter, 5 return, 6 land, 11 to 14 external 1 to 4.
+pub const MODES: [ModeRule; 9] = [
     ModeRule {
         mode: Mode::Stabilize,
         name: "Stabilize",
@@ -116,13 +118,20 @@ pub const MODES: [ModeRule; 8] = [
         aliases: &[],
         needs: TAUT,
     },
+    ModeRule {
+        mode: Mode::TetherAngle,
+        name: "Tether Angle",
+        custom_mode: px4(4, 14),
+        aliases: &[],
+        needs: TAUT,
+    },
 ];
 
 impl Mode {
     /// This mode's row.
     #[must_use]
     pub const fn rule(self) -> &'static ModeRule {
-        let [stabilize, altitude, hold, takeoff, land, descent, force, attitude] = &MODES;
+        let [stabilize, altitude, hold, takeoff, land, descent, force, attitude, angle] = &MODES;
         match self {
             Self::Stabilize => stabilize,
             Self::Altitude => altitude,
@@ -132,7 +141,15 @@ impl Mode {
             Self::Descent => descent,
             Self::TautForce => force,
             Self::TautAttitude => attitude,
+            Self::TetherAngle => angle,
         }
+    }
+
+    /// Whether it stands on a taut link alone, without a position.
+    #[must_use]
+    pub const fn flies_taut(self) -> bool {
+        let needs = self.rule().needs;
+        needs.taut && !needs.position
     }
 
     /// From MAVLink's `custom_mode`.

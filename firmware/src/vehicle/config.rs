@@ -2,6 +2,7 @@
 
 use super::slack_hover::SlackHoverPlan;
 use super::taut::Taut;
+use super::tether_angle::AngleMode;
 use crate::control::{AttitudeLoop, ClimbLoop, Link, Mixer, PositionLoop, RateLoop, ThrustMap};
 use crate::estimate::TetherEstimator;
 use crate::math::GRAVITY;
@@ -28,6 +29,7 @@ pub(super) struct Config<S: Scalar> {
     pub link: Link,
     pub kind: LinkKind,
     pub taut: Option<Taut<S>>,
+    pub angle: Option<AngleMode<S>>,
     pub slack_hover: Option<SlackHoverPlan<S>>,
     pub mass: S,
     pub weight: S,
@@ -65,6 +67,7 @@ impl<S: Scalar> Config<S> {
             link: if kind.has_winch() { Link::Winch } else { Link::FixedLength },
             kind,
             taut: Taut::new(p),
+            angle: AngleMode::new(p),
             slack_hover: SlackHoverPlan::new(p, kind == LinkKind::Cable),
             mass: f(p.mass),
             weight,

@@ -42,6 +42,7 @@ impl<S: Scalar> Vehicle<S> {
             Mode::Stabilize => self.fly_sticks(now, false),
             Mode::Altitude => self.fly_sticks(now, true),
             Mode::TautForce | Mode::TautAttitude => self.fly_taut(sensors, events),
+            Mode::TetherAngle => self.fly_angle(events),
             Mode::Descent => self.descend(),
         }
         self.touch_down(sensors, now);
@@ -274,7 +275,11 @@ impl<S: Scalar> Vehicle<S> {
             Mode::Land => reference_is_low,
             Mode::Descent => true,
             Mode::Stabilize | Mode::Altitude => throttle < 0.05,
-            Mode::TetherHold | Mode::Takeoff | Mode::TautForce | Mode::TautAttitude => false,
+            Mode::TetherHold
+            | Mode::Takeoff
+            | Mode::TautForce
+            | Mode::TautAttitude
+            | Mode::TetherAngle => false,
         };
         let input = TouchDownInput {
             wants_down,

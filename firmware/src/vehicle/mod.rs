@@ -18,6 +18,7 @@ mod requests;
 mod slack_hover;
 mod supervise;
 mod taut;
+mod tether_angle;
 
 pub use output::{StepInput, StepOutput};
 
@@ -38,6 +39,7 @@ use crate::time::{INNER_DT, Micros, Sample};
 use crate::trajectory::{Plan, TautPlan};
 use config::Config;
 use slack_hover::SlackHover;
+use tether_angle::AngleFlight;
 
 /// One autopilot.
 #[derive(Clone, Debug)]
@@ -87,6 +89,8 @@ struct State<S: Scalar> {
     taut: TautEstimatorState<S>,
     /// In the taut-link modes.
     taut_flight: Option<TautFlight<S>>,
+    /// In Tether Angle.
+    angle_flight: Option<AngleFlight<S>>,
 
     rate: RateState<S>,
     mixer: MixerReport,
@@ -150,6 +154,7 @@ impl<S: Scalar> Vehicle<S> {
             echo: None,
             taut: TautEstimatorState::default(),
             taut_flight: None,
+            angle_flight: None,
             rate: RateState::default(),
             mixer: MixerReport::default(),
             wrench: Wrench { thrust: S::zero(), torque: still },
@@ -261,7 +266,7 @@ impl<S: Scalar> Vehicle<S> {
             let estimate = &state.estimate;
             let pull = match (&estimate.tether, &estimate.position) {
                 // The specific force is the thrust, which has no sideways part, and the pull.
-                _ if state.taut_flight.is_some() => {
+                _ if state.mode.flies_taut() => {
                     let force = state.taut.estimate().map_or(V3::zeros(), |taut| taut.accel.0);
                     Body(V3::new(force.x, force.y, S::zero()) * self.config.mass)
                 }

@@ -2,6 +2,7 @@
 
 use super::Vehicle;
 use crate::estimate::taut::TautEstimate;
+use crate::estimate::tether_angle::TetherAngleEstimate;
 use crate::frames::{Body, V3};
 use crate::scalar::Scalar;
 use crate::sense::RawSensors;
@@ -42,6 +43,8 @@ pub struct StepOutput<S: Scalar = f32> {
     pub taut: Option<TautEstimate<S>>,
     /// In the taut-link modes.
     pub taut_reference: Option<PlanarReference<S>>,
+    /// In Tether Angle.
+    pub angle: Option<TetherAngleEstimate<S>>,
     /// Body rates wanted, rad/s.
     pub rate_setpoint: Body<V3<S>>,
     /// Asked of the mixer.
@@ -82,6 +85,7 @@ impl<S: Scalar> Vehicle<S> {
             reference: state.reference,
             taut: state.taut.estimate().copied(),
             taut_reference: state.taut_flight.map(|flight| flight.plan.now()),
+            angle: state.angle_flight.map(|flight| flight.estimate),
             rate_setpoint: state.attitude.rate,
             wrench: state.wrench,
             mixer: state.mixer,

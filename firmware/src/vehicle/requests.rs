@@ -119,7 +119,7 @@ impl<S: Scalar> Vehicle<S> {
         state.takeoff_altitude = None;
         state.slack_hover = None;
         state.reference = None;
-        if matches!(state.mode, Mode::Takeoff | Mode::TautForce | Mode::TautAttitude) {
+        if state.mode == Mode::Takeoff || state.mode.flies_taut() {
             state.mode = Mode::TetherHold;
         }
         events.push(event);
@@ -170,6 +170,9 @@ impl<S: Scalar> Vehicle<S> {
                 self.request_taut(purpose, sensors)
             };
         }
+        if mode == Mode::TetherAngle {
+            return if mode == self.state.mode { Ok(()) } else { self.request_angle() };
+        }
         self.enter(mode);
         Ok(())
     }
@@ -205,7 +208,8 @@ impl<S: Scalar> Vehicle<S> {
     }
 
     fn may_move(&self) -> Result<SphericalPoint<f32>, Refusal> {
-        if !self.is_in_air() || self.state.mode != Mode::TetherHold {
+        let moves = matches!(self.state.mode, Mode::TetherHold | Mode::TetherAngle);
+        if !self.is_in_air() || !moves {
             return Err(rejected("Move refused: not in Tether Hold in the air"));
         }
         let end = SphericalPoint::from_world(&self.state.plan.end());
@@ -256,6 +260,9 @@ impl<S: Scalar> Vehicle<S> {
         tension: Option<f32>,
     ) -> Result<(), Refusal> {
         let now = self.may_move()?;
+        if tension.is_some() && self.state.mode == Mode::TetherAngle {
+            return Err(denied("Move refused: not an output of this mode"));
+        }
         if let Some(tension) = tension {
             let p = &self.params;
             let reserve = 0.9 * p.thrust_max - p.mass * crate::math::GRAVITY as f32;

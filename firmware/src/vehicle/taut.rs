@@ -4,12 +4,11 @@ use super::requests::{Refusal, denied, rejected};
 use super::{TautFlight, Vehicle};
 use crate::control::taut::TautPilot;
 use crate::estimate::taut::{TautEstimate, TautEstimator, TautInput};
-use crate::frames::Body;
 use crate::math::wrap_pi;
 use crate::model::LinkKind;
 use crate::param::Params;
 use crate::scalar::Scalar;
-use crate::signal::{Event, EventQueue, Imu, PlanarReference, Sensors, TautPurpose};
+use crate::signal::{Event, EventQueue, PlanarReference, Sensors, TautPurpose};
 use crate::supervisor::Mode;
 use crate::time::OUTER_DT;
 use crate::trajectory::{TautBounds, TautPlan};
@@ -20,6 +19,8 @@ const NOSE_MAX: f64 = 0.35;
 const START_ELEVATION: f64 = 0.2;
 const START_FORCE: f64 = 2.0;
 const START_PITCH: f64 = 0.15;
+/// Of every mode on a taut link.
+pub(super) const NEEDS_FIXED_LENGTH: Refusal = denied("Mode refused: needs a link of fixed length");
 /// Set-points closer than this are the same.
 const SAME: f64 = 1e-3;
 /// Largest correction by the altimeter, rad.
@@ -103,18 +104,15 @@ impl Mode {
 impl<S: Scalar> Vehicle<S> {
     /// Runs the observer in the air, whatever the mode, so that it has converged when it is wanted.
     pub(super) fn observe_link(&mut self) {
+        let imu = self.inertial_mean();
         let state = &mut self.state;
         let Some(taut) = self.config.taut.as_ref().filter(|_| state.estimator.is_airborne()) else {
             state.taut = Default::default();
             return;
         };
-        let average = state.estimator.average();
         let (roll, ..) = state.estimate.attitude.euler();
         let input = TautInput {
-            imu: Imu {
-                gyro: Body(average.gyro.0 - state.estimate.gyro_bias.0),
-                accel: average.accel,
-            },
+            imu,
             thrust: state.estimate.thrust,
             roll,
             purpose: state.mode.purpose().unwrap_or_default(),
@@ -138,7 +136,7 @@ impl<S: Scalar> Vehicle<S> {
         sensors: &Sensors<S>,
     ) -> Result<(), Refusal> {
         let Some(taut) = self.config.taut.filter(|t| !t.bounds.kind.has_winch()) else {
-            return Err(denied("Mode refused: needs a link of fixed length"));
+            return Err(NEEDS_FIXED_LENGTH);
         };
         let Some(now) = self.state.taut.estimate().copied() else {
             return Err(rejected("Mode refused: not in the air"));
@@ -293,7 +291,7 @@ impl<S: Scalar> Vehicle<S> {
     }
 
     /// Back to Tether Hold, or down where no position is known.
-    fn leave_taut(&mut self, text: &'static str, events: &mut EventQueue) {
+    pub(super) fn leave_taut(&mut self, text: &'static str, events: &mut EventQueue) {
         let mode =
             if self.state.estimate.position.is_some() { Mode::TetherHold } else { Mode::Descent };
         events.push(Event::critical(text));
@@ -302,6 +300,7 @@ impl<S: Scalar> Vehicle<S> {
 
     /// What the modes other than the taut-link ones need when these end.
     pub(super) fn end_taut(&mut self) {
+        self.state.angle_flight = None;
         if self.state.taut_flight.take().is_some() {
             let (.., yaw) = self.state.estimate.attitude.euler();
             self.state.yaw = yaw;

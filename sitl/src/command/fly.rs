@@ -161,16 +161,17 @@ fn describe(scenario: &Scenario, options: &Options, params: &Params) {
     }
     let tether = match t.kind {
         TetherKind::Winch => format!(
-            "constant-tension winch, {} N, {} m paid out in flight",
+            "on a constant-tension winch, {} N, {} m paid out in flight",
             params.tension, params.tether_length
         ),
-        TetherKind::Fixed => format!("fixed tether of {} m", t.length),
-        TetherKind::Strut => format!("strut of {} m", t.length),
-        TetherKind::Bar => format!("bar of {} m", t.length),
+        TetherKind::Fixed => format!("on a fixed tether of {} m", t.length),
+        TetherKind::Strut => format!("on a strut of {} m", t.length),
+        TetherKind::Bar => format!("on a bar of {} m", t.length),
+        TetherKind::None => "without a tether".into(),
     };
     let gusts = if w.gusts { " with Dryden gusts" } else { "" };
     say!(
-        "Simulating a {} kg quadrotor on a {tether}; wind {} m/s{gusts}; seed {}.",
+        "Simulating a {} kg quadrotor {tether}; wind {} m/s{gusts}; seed {}.",
         v.mass,
         w.speed,
         options.seed

@@ -3,6 +3,7 @@
 //! Rigid body on SO(3), four rotors with lag, a tether with slack, a winch, ground contact, wind and
 //! drag. Semi-implicit Euler at 4 kHz.
 
+mod anchor;
 mod battery;
 mod body;
 mod ground;
@@ -10,6 +11,7 @@ mod rotor;
 mod tether;
 mod wind;
 
+pub use anchor::{Anchor, Walk};
 pub use battery::{Battery, BatteryModel};
 pub use body::{Body, BodyModel};
 pub use ground::{Ground, GroundModel};
@@ -80,6 +82,8 @@ pub struct Plant {
     pub rotors: [Rotor; 4],
     /// Tether.
     pub tether: Tether,
+    /// The tether's ground end.
+    pub anchor: Anchor,
     /// Wind.
     pub wind: Wind,
     /// Feet.
@@ -110,6 +114,7 @@ impl Plant {
             body: Body::at(place, heading),
             rotors,
             tether: Tether::new(&model.tether, &mut rng),
+            anchor: Anchor::default(),
             wind: Wind::default(),
             ground: Ground::default(),
             battery: Battery::new(&model.battery),
@@ -154,8 +159,10 @@ impl Plant {
         torque -= m.body.rate_damping * self.body.rate;
 
         let arm = V3::new(0.0, 0.0, m.tether.attachment);
-        let end = self.body.position + r * arm;
-        let end_velocity = self.body.velocity + r * self.body.rate.cross(&arm);
+        self.anchor.step(DT);
+        let end = self.end();
+        let end_velocity =
+            self.body.velocity + r * self.body.rate.cross(&arm) - self.anchor.velocity;
         let pull =
             self.tether.step(&m.tether, &end, &end_velocity, &wind, winch_tension, self.time, DT);
         let pull_body = r.inverse() * pull;
@@ -168,6 +175,19 @@ impl Plant {
 
         self.body.step(&m.body, &force_body, &torque, DT);
         force_body / m.body.mass
+    }
+
+    /// Attachment of the tether from its anchor, m.
+    #[must_use]
+    pub fn end(&self) -> V3 {
+        let arm = V3::new(0.0, 0.0, self.model.tether.attachment);
+        self.body.position + self.body.attitude * arm - self.anchor.position
+    }
+
+    /// Centre of mass from the anchor, m: what the firmware calls its position.
+    #[must_use]
+    pub fn from_anchor(&self) -> V3 {
+        self.body.position - self.anchor.position
     }
 
     /// Total thrust now, N.

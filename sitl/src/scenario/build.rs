@@ -15,7 +15,7 @@ impl Scenario {
         let distance = match self.tether.kind {
             TetherKind::Winch => self.tether.start_distance,
             // Just short of taut, as an operator lays it out.
-            TetherKind::Fixed => {
+            TetherKind::Fixed | TetherKind::None => {
                 let taut = (self.tether.length.powi(2) - height.powi(2)).sqrt();
                 (taut - 0.02 - self.tether.start_slack).max(0.2)
             }
@@ -70,7 +70,7 @@ impl Scenario {
                 attachment: t.attachment,
                 pulls: t.kind != TetherKind::Strut,
                 pushes: matches!(t.kind, TetherKind::Strut | TetherKind::Bar),
-                is_broken: false,
+                is_broken: t.kind == TetherKind::None,
             },
             wind: WindModel {
                 speed: self.wind.speed,

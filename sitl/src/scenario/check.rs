@@ -79,7 +79,11 @@ impl Scenario {
                 Step::Hold { seconds } => ("seconds", *seconds, 0.0, 1e6),
                 Step::AwaitDisarmed { timeout } => ("timeout", *timeout, 0.0, 1e6),
                 Step::TautMove { duration, .. } => ("duration", *duration, 0.0, 1e6),
+                Step::WalkAnchor { speed, .. } => ("speed", *speed, 0.0, 10.0),
+                Step::Excite { seconds, .. } => ("seconds", *seconds, 0.0, 1e6),
                 Step::Arm
+                | Step::Altitude
+                | Step::TetherAngle
                 | Step::Land
                 | Step::TetherHold
                 | Step::Taut { .. }

@@ -76,6 +76,8 @@ pub enum TetherKind {
     Strut,
     /// Rigid, pulls and pushes.
     Bar,
+    /// Flies free; the firmware believes in a cable of the given length.
+    None,
 }
 
 impl TetherKind {
@@ -83,7 +85,7 @@ impl TetherKind {
     #[must_use]
     pub fn parameter(self) -> f64 {
         match self {
-            Self::Fixed => 0.0,
+            Self::Fixed | Self::None => 0.0,
             Self::Winch => 1.0,
             Self::Strut => 2.0,
             Self::Bar => 3.0,
@@ -95,7 +97,7 @@ impl TetherKind {
 #[derive(Clone, Debug, Deserialize, Serialize, PartialEq)]
 #[serde(default, deny_unknown_fields)]
 pub struct TetherSection {
-    /// winch, fixed, strut or bar.
+    /// winch, fixed, strut, bar or none.
     pub kind: TetherKind,
     /// Length when fixed, m.
     pub length: f64,
@@ -337,6 +339,26 @@ pub enum Step {
         control: TautControl,
         /// s.
         duration: f64,
+    },
+    /// Change to Tether Angle and wait until it flies.
+    TetherAngle,
+    /// Whoever holds the tether begins to walk; the next step follows at once.
+    WalkAnchor {
+        /// North and East, m.
+        way: [f64; 2],
+        /// m/s.
+        speed: f64,
+        /// Up to that speed and down again, s.
+        ramp: f64,
+    },
+    /// Take the sticks: throttle down, mode Altitude. The pilot keeps them from here on.
+    Altitude,
+    /// In Altitude: climb to a height and shake thrust, roll and pitch there.
+    Excite {
+        /// m over the ground.
+        altitude: f64,
+        /// s, the climb included.
+        seconds: f64,
     },
     /// Back to Tether Hold.
     TetherHold,

@@ -175,12 +175,13 @@ mod tests {
     }
 
     #[test]
-    fn a_slack_tether_does_not_pull_and_a_swing_conserves_energy_until_it_jerks() {
+    fn a_slack_tether_does_not_pull() {
         // Thrust straight towards the anchor: slack at once.
         let mut plane = Plane::at_rest(&MODEL, 0.5);
         plane.attitude[0] = 0.5 + std::f64::consts::PI;
         plane.step(&MODEL, &Acting::default(), 1e-3);
         assert!(matches!(plane.motion, Motion::Slack(_)) && plane.tension == 0.0);
-        assert_eq!(plane.accel(&MODEL), [0.0, 12.0]);
+        let [x, z] = plane.accel(&MODEL);
+        assert!(x.abs() < 1e-12 && (z - 12.0).abs() < 1e-12);
     }
 }

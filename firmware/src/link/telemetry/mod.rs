@@ -83,7 +83,8 @@ fn standard_mode(mode: Mode) -> mav::MavStandardMode {
         | Mode::TetherHold
         | Mode::Descent
         | Mode::TautForce
-        | Mode::TautAttitude => M::MAV_STANDARD_MODE_NON_STANDARD,
+        | Mode::TautAttitude
+        | Mode::TetherAngle => M::MAV_STANDARD_MODE_NON_STANDARD,
     }
 }
 

@@ -140,7 +140,16 @@ impl Link {
                 ("tlk_force", taut.link_force.to_f32()),
             ]
         });
-        for (name, value) in tether.into_iter().flatten().chain(taut.into_iter().flatten()) {
+        let angle = out.angle.as_ref().map(|angle| {
+            let [north, west] = angle.angles();
+            [
+                ("tag_north", degrees(north)),
+                ("tag_west", degrees(west)),
+                ("tag_tens", angle.tension.to_f32()),
+            ]
+        });
+        let taut = taut.into_iter().chain(angle).flatten();
+        for (name, value) in tether.into_iter().flatten().chain(taut) {
             let m = mav::NAMED_VALUE_FLOAT_DATA {
                 time_boot_ms: out.now.boot_ms(),
                 value,

@@ -1,0 +1,84 @@
+//! Whoever holds the tether walks: a straight line with a smooth start and end.
+
+use super::V3;
+
+/// A walk.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Walk {
+    /// Whole way, NED, m.
+    pub way: V3,
+    /// m/s.
+    pub speed: f64,
+    /// Up to that speed, and down again, s.
+    pub ramp: f64,
+}
+
+/// Where the anchor is.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Anchor {
+    /// NED, m.
+    pub position: V3,
+    /// m/s.
+    pub velocity: V3,
+    walk: Option<(Walk, V3, f64)>,
+}
+
+impl Anchor {
+    /// Starts a walk from where it is.
+    pub fn go(&mut self, walk: Walk) {
+        self.walk = Some((walk, self.position, 0.0));
+    }
+
+    /// `dt` s ahead.
+    pub fn step(&mut self, dt: f64) {
+        let Some((walk, from, time)) = &mut self.walk else { return };
+        *time += dt;
+        let length = walk.way.norm();
+        if length <= 0.0 || walk.speed <= 0.0 {
+            self.walk = None;
+            return;
+        }
+        // A short way never gets to full speed.
+        let ramp = walk.ramp.max(1e-3).min(length / walk.speed);
+        let cruise = length / walk.speed - ramp;
+        let (t, end) = (*time, 2.0 * ramp + cruise);
+        let rate = walk.speed / ramp;
+        let (way, speed) = if t >= end {
+            (length, 0.0)
+        } else if t < ramp {
+            (0.5 * rate * t * t, rate * t)
+        } else if t < ramp + cruise {
+            (walk.speed * (t - 0.5 * ramp), walk.speed)
+        } else {
+            let left = end - t;
+            (length - 0.5 * rate * left * left, rate * left)
+        };
+        let along = walk.way / length;
+        self.position = *from + along * way;
+        self.velocity = along * speed;
+        if t >= end {
+            self.walk = None;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_walk_arrives_at_rest_and_never_jumps() {
+        for (length, ramp) in [(1.0, 1.0), (0.1, 1.0), (2.0, 0.0)] {
+            let mut anchor = Anchor::default();
+            anchor.go(Walk { way: V3::new(length, 0.0, 0.0), speed: 0.3, ramp });
+            let mut last = 0.0;
+            for _ in 0..20_000 {
+                anchor.step(1e-3);
+                assert!((anchor.position.x - last).abs() <= 0.3 * 1e-3 + 1e-9);
+                assert!(anchor.velocity.x <= 0.3 + 1e-9);
+                last = anchor.position.x;
+            }
+            assert!((anchor.position.x - length).abs() < 1e-9 && anchor.velocity.norm() < 1e-12);
+        }
+    }
+}
