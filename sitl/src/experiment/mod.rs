@@ -3,16 +3,21 @@
 mod acceptance;
 mod conference;
 mod journal;
+mod localization;
 mod pictures;
 mod report;
 mod robustness;
 mod scan;
+mod sensing_acceptance;
 mod taut_flight;
+mod tether_angle;
+mod thrust;
 
 pub use report::{Compare, Line, Picture, Report};
 
 use crate::planar::PlanarScenario;
 use crate::settings;
+use serde::{Serialize, de::DeserializeOwned};
 
 /// One reproduced result.
 #[derive(Clone, Copy)]
@@ -29,6 +34,9 @@ pub struct Experiment {
     pub run: fn(&Ask) -> Result<Report, String>,
 }
 
+/// The setting that every experiment with random flights has.
+const SEEDS: &str = "seeds";
+
 /// What the user asks of an experiment.
 #[derive(Clone, Debug, Default)]
 pub struct Ask {
@@ -44,7 +52,28 @@ impl Ask {
     /// # Errors
     /// One line naming the setting.
     pub fn planar(&self, base: PlanarScenario) -> Result<PlanarScenario, String> {
-        self.sets.iter().try_fold(base, |s, (path, value)| settings::set(&s, path, value))
+        self.on(base)
+    }
+
+    /// Any scenario with the user's settings on top; how many seeds is not the scenario's business.
+    ///
+    /// # Errors
+    /// One line naming the setting.
+    pub fn on<T: Serialize + DeserializeOwned>(&self, base: T) -> Result<T, String> {
+        let mut sets = self.sets.iter().filter(|(path, _)| path != SEEDS);
+        sets.try_fold(base, |s, (path, value)| settings::set(&s, path, value))
+    }
+
+    /// The seeds to run: `seeds=N` of them, or as many as the experiment has.
+    ///
+    /// # Errors
+    /// A count that is none.
+    pub fn seeds(&self, usual: u64) -> Result<Vec<u64>, String> {
+        let asked = self.sets.iter().rev().find(|(path, _)| path == SEEDS);
+        let count = asked.map_or(Ok(usual), |(_, value)| {
+            value.parse().map_err(|_| format!("{SEEDS} = {value}: not a count"))
+        })?;
+        Ok((self.seed..self.seed + count).collect())
     }
 }
 
@@ -52,8 +81,12 @@ const JOURNAL: &str = "Tognon & Franchi, journal article on link force and inert
 const CONFERENCE: &str = "Tognon & Franchi, ICRA 2015";
 const SPECIFICATION: &str = "Tognon & Franchi, both; our specification's tables";
 
+const TETHER_ANGLE: &str = "Lupashin & D'Andrea, IROS 2013";
+const LOCALIZATION: &str = "Al-Radaideh & Sun, Drones 2021";
+const BOTH_SENSING: &str = "both sensing papers; our specifications";
+
 /// All of them.
-pub const EXPERIMENTS: [Experiment; 11] = [
+pub const EXPERIMENTS: [Experiment; 20] = [
     Experiment {
         key: "planar-nominal",
         paper: JOURNAL,
@@ -130,6 +163,69 @@ pub const EXPERIMENTS: [Experiment; 11] = [
         figure: "flight, section 7",
         about: "the taut-link modes on the whole quadrotor, 20 seeds a row (a minute)",
         run: taut_flight::run,
+    },
+    Experiment {
+        key: "tether-sensitivity",
+        paper: TETHER_ANGLE,
+        figure: "Figs. 3 to 5",
+        about: "one accelerometer reading: noise, wrong thrust, neglected centripetal force",
+        run: tether_angle::sensitivities,
+    },
+    Experiment {
+        key: "tether-poles",
+        paper: TETHER_ANGLE,
+        figure: "Fig. 8",
+        about: "closed-loop poles over the tether angle, at both tilt times",
+        run: tether_angle::poles,
+    },
+    Experiment {
+        key: "tether-loop",
+        paper: TETHER_ANGLE,
+        figure: "Figs. 9 to 11",
+        about: "single readings, steps in the tether angle, a moving anchor, what goes wrong",
+        run: tether_angle::planar_loop,
+    },
+    Experiment {
+        key: "tether-space",
+        paper: TETHER_ANGLE,
+        figure: "Fig. 12",
+        about: "two planes in space over a moving anchor; survival over seeds",
+        run: tether_angle::space,
+    },
+    Experiment {
+        key: "localization-tension",
+        paper: LOCALIZATION,
+        figure: "Table 2, Figs. 8 to 11",
+        about: "position and tension at 0.5 to 10 N, 3-state and 4-state filters with their bounds",
+        run: localization::table,
+    },
+    Experiment {
+        key: "localization-sweeps",
+        paper: LOCALIZATION,
+        figure: "Figs. 12 to 14",
+        about: "errors over altitude, velocity and tension, the low-pass baseline beside (half a minute)",
+        run: localization::sweeps,
+    },
+    Experiment {
+        key: "localization-headroom",
+        paper: LOCALIZATION,
+        figure: "our specification, section 7",
+        about: "the 17-state error-state filter against the article's (half a minute)",
+        run: localization::headroom,
+    },
+    Experiment {
+        key: "thrust-structures",
+        paper: LOCALIZATION,
+        figure: "Table 1",
+        about: "six model structures from PWM to thrust",
+        run: thrust::table,
+    },
+    Experiment {
+        key: "sensing-acceptance",
+        paper: BOTH_SENSING,
+        figure: "acceptance",
+        about: "every acceptance row beside its limit (half a minute)",
+        run: sensing_acceptance::run,
     },
 ];
 

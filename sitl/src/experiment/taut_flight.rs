@@ -5,7 +5,6 @@ use crate::flight::Flight;
 use crate::parallel;
 use crate::pilot::Progress;
 use crate::scenario::{Scenario, Step, TautControl, TetherKind};
-use crate::settings;
 use crate::taut_metrics::TautSummary;
 use tautline_firmware::signal::Severity;
 
@@ -223,8 +222,7 @@ fn attitude_tension(mass: f64, elevation: f64, pitch: f64) -> f64 {
 /// One flight: why lost, if lost, and the figures.
 fn fly(row: &Row, ask: &Ask, seed: u64) -> Result<(Option<String>, Option<TautSummary>), String> {
     let own = scenario(row, seed)?;
-    let mut sets = ask.sets.iter().filter(|(path, _)| path != "seeds");
-    let s = sets.try_fold(own, |s, (path, value)| settings::set(&s, path, value))?;
+    let s = ask.on(own)?;
     let params = s.params().map_err(|e| e.0)?;
     let mut flight = Flight::new(&s, params, seed, std::io::sink()).map_err(|e| e.0)?;
     if row.kind == TetherKind::Bar {
@@ -250,26 +248,21 @@ fn fly(row: &Row, ask: &Ask, seed: u64) -> Result<(Option<String>, Option<TautSu
 
 /// Every row over all seeds, worst beside its limit.
 pub fn run(ask: &Ask) -> Result<Report, String> {
-    let mut seeds = SEEDS;
-    for (path, value) in &ask.sets {
-        if path == "seeds" {
-            seeds = value.parse().map_err(|_| format!("seeds = {value}: not a count"))?;
-        }
-    }
+    let seeds = ask.seeds(SEEDS)?;
     let mut report = Report::default();
     for row in rows() {
-        fly_row(&row, ask, seeds, &mut report)?;
+        fly_row(&row, ask, &seeds, &mut report)?;
     }
     report.notes.push(format!(
-        "Worst of {seeds} seeds, each with its own start error (5 deg, 1 N), thrust error (1 %), gyro bias \
-         and noise; what has no limit is shown for comparison."
+        "Worst of {} seeds, each with its own start error (5 deg, 1 N), thrust error (1 %), gyro bias \
+         and noise; what has no limit is shown for comparison.",
+        seeds.len()
     ));
     Ok(report)
 }
 
-fn fly_row(row: &Row, ask: &Ask, seeds: u64, report: &mut Report) -> Result<(), String> {
-    let numbers: Vec<u64> = (ask.seed..ask.seed + seeds).collect();
-    let flown = parallel::map(&numbers, parallel::cores(), |&seed| fly(row, ask, seed), |_| {});
+fn fly_row(row: &Row, ask: &Ask, numbers: &[u64], report: &mut Report) -> Result<(), String> {
+    let flown = parallel::map(numbers, parallel::cores(), |&seed| fly(row, ask, seed), |_| {});
     let mut lost = 0.0;
     let mut worst = [0.0_f64; 4];
     for (seed, outcome) in numbers.iter().zip(flown) {

@@ -2,6 +2,7 @@
 
 pub mod chart;
 mod draw;
+pub mod grid;
 mod read;
 
 pub use draw::draw_flight;

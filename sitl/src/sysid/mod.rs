@@ -20,6 +20,6 @@ pub use identify::{AHEAD, Identified, Model, STRUCTURES, identify, recommend};
 pub use log::from_log;
 pub use polynomial::{Polynomial, largest_root};
 pub use prepare::{Prepared, RATE, Signals, low_pass_channel, prepare};
-pub use record::{CHANNELS, Record, read_csv};
+pub use record::{CHANNELS, Record, parse_csv, read_csv};
 pub use subspace::{StateSpace, subspace};
 pub use thrust_map::{PwmRange, ThrustFit, fit_thrust_map};

@@ -51,11 +51,17 @@ fn columns(headers: &csv::StringRecord) -> Result<Columns, String> {
 /// # Errors
 /// One line naming file, line and column.
 pub fn read_csv(path: &Path) -> Result<Record, String> {
-    let file = path.display();
-    let mut reader = csv::ReaderBuilder::new()
-        .trim(csv::Trim::All)
-        .from_path(path)
-        .map_err(|e| format!("{file}: {e}"))?;
+    let file = path.display().to_string();
+    let input = std::fs::File::open(path).map_err(|e| format!("{file}: {e}"))?;
+    parse_csv(std::io::BufReader::new(input), &file)
+}
+
+/// The same from anywhere; `file` stands in the errors.
+///
+/// # Errors
+/// One line naming file, line and column.
+pub fn parse_csv(input: impl std::io::Read, file: &str) -> Result<Record, String> {
+    let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(input);
     let headers = reader.headers().map_err(|e| format!("{file}: {e}"))?.clone();
     let columns = columns(&headers).map_err(|e| format!("{file}: {e}"))?;
     let mut record = Record { voltage: columns.voltage.map(|_| Vec::new()), ..Record::default() };

@@ -1,0 +1,64 @@
+//! Thrust identification: the article's Table 1 on a synthetic record, and on the simulator's own flights.
+
+use super::{Ask, Compare, Report};
+use crate::sysid::draw_predictions;
+use crate::sysid::{Identified, identify, parse_csv, prepare};
+
+/// The synthetic record of the specification, the same that the golden vectors hold.
+const RECORD: &str = include_str!("../../../tests/golden/sysid.csv");
+/// Fit of ours as the specification has it, its tolerance, and the article's: %.
+const TABLE: [(f64, f64, Option<f64>); 6] = [
+    (37.0, 0.3, Some(46.0)),
+    (36.9, 0.3, Some(41.4)),
+    (90.5, 0.3, Some(96.8)),
+    (88.9, 1.0, None),
+    (90.4, 1.0, Some(94.6)),
+    (94.9, 2.0, Some(99.6)),
+];
+
+/// Fits beside the specification's; returns the structures found.
+pub fn add_fits(report: &mut Report) -> Result<Vec<Result<Identified, String>>, String> {
+    let record = parse_csv(RECORD.as_bytes(), "sysid.csv")?;
+    let found = identify(&prepare(&record)?);
+    for (result, (value, slack, _)) in found.iter().zip(TABLE) {
+        let model = result.as_ref().map_err(Clone::clone)?;
+        report.add(
+            format!("thrust, {}: fit five steps ahead, %", model.name),
+            model.fit,
+            Compare::Near { value, share: 0.0, slack: slack + 0.05 },
+        );
+    }
+    Ok(found)
+}
+
+/// Table 1.
+pub fn table(_: &Ask) -> Result<Report, String> {
+    let mut report = Report::default();
+    let found = add_fits(&mut report)?;
+    for (result, (_, _, article)) in found.iter().zip(TABLE) {
+        let model = result.as_ref().map_err(Clone::clone)?;
+        if let Some(value) = article {
+            report.add(
+                format!("{}: fit against the article's, %", model.name),
+                model.fit,
+                Compare::Explained { value, why: "another record: only the order compares" },
+            );
+        }
+        report.add(format!("{}: FPE, N²", model.name), model.fpe, Compare::Alone);
+        report.add(format!("{}: MSE, N²", model.name), model.mse, Compare::Alone);
+    }
+    let fit = |name: &str| {
+        found.iter().flatten().find(|m| m.name.starts_with(name)).map_or(0.0, |m| m.fit)
+    };
+    let ordered = fit("state") > fit("ARX")
+        && fit("ARX") > fit("transfer")
+        && fit("transfer") > fit("process");
+    report.add(
+        "order of the structures as in the article, 1",
+        f64::from(u8::from(ordered)),
+        Compare::Claim("state space, then ARX, then transfer function and process", ordered),
+    );
+    let data = prepare(&parse_csv(RECORD.as_bytes(), "sysid.csv")?)?;
+    report.picture("sysid.svg", move |path| draw_predictions(&data, &found, path));
+    Ok(report)
+}
