@@ -1,7 +1,9 @@
 //! The papers' results, reproduced: ours beside the published figure or claim.
 
 mod acceptance;
+mod angle_flight;
 mod conference;
+mod flown;
 mod journal;
 mod localization;
 mod pictures;
@@ -12,6 +14,7 @@ mod sensing_acceptance;
 mod taut_flight;
 mod tether_angle;
 mod thrust;
+mod thrust_flight;
 
 pub use report::{Compare, Line, Picture, Report};
 
@@ -86,7 +89,7 @@ const LOCALIZATION: &str = "Al-Radaideh & Sun, Drones 2021";
 const BOTH_SENSING: &str = "both sensing papers; our specifications";
 
 /// All of them.
-pub const EXPERIMENTS: [Experiment; 20] = [
+pub const EXPERIMENTS: [Experiment; 22] = [
     Experiment {
         key: "planar-nominal",
         paper: JOURNAL,
@@ -203,14 +206,14 @@ pub const EXPERIMENTS: [Experiment; 20] = [
         key: "localization-sweeps",
         paper: LOCALIZATION,
         figure: "Figs. 12 to 14",
-        about: "errors over altitude, velocity and tension, the low-pass baseline beside (half a minute)",
+        about: "errors over altitude, velocity and tension, the low-pass baseline beside (some seconds)",
         run: localization::sweeps,
     },
     Experiment {
         key: "localization-headroom",
         paper: LOCALIZATION,
         figure: "our specification, section 7",
-        about: "the 17-state error-state filter against the article's (half a minute)",
+        about: "the 17-state error-state filter against the article's (some seconds)",
         run: localization::headroom,
     },
     Experiment {
@@ -224,8 +227,22 @@ pub const EXPERIMENTS: [Experiment; 20] = [
         key: "sensing-acceptance",
         paper: BOTH_SENSING,
         figure: "acceptance",
-        about: "every acceptance row beside its limit (half a minute)",
+        about: "every acceptance row beside its limit (some seconds)",
         run: sensing_acceptance::run,
+    },
+    Experiment {
+        key: "angle-flight",
+        paper: TETHER_ANGLE,
+        figure: "Figs. 11 and 12; our flight specification, section 7",
+        about: "Tether Angle on the whole quadrotor, 20 seeds a row (half a minute)",
+        run: angle_flight::run,
+    },
+    Experiment {
+        key: "thrust-flight",
+        paper: LOCALIZATION,
+        figure: "Figs. 5 and 6, in flight",
+        about: "excite, identify from the log, fly on the tether before and after",
+        run: thrust_flight::run,
     },
 ];
 

@@ -1,12 +1,11 @@
 //! The taut-link modes on the whole simulated quadrotor: `flight` section 7, twenty seeds a row.
 
+use super::flown::why_lost;
 use super::{Ask, Compare, Report};
 use crate::flight::Flight;
 use crate::parallel;
-use crate::pilot::Progress;
 use crate::scenario::{Scenario, Step, TautControl, TetherKind};
 use crate::taut_metrics::TautSummary;
-use tautline_firmware::signal::Severity;
 
 /// Vehicle, sensors and parameters of every row.
 const BASE: &str = include_str!("../../scenarios/taut.toml");
@@ -229,21 +228,7 @@ fn fly(row: &Row, ask: &Ask, seed: u64) -> Result<(Option<String>, Option<TautSu
         flight.metrics.taut.settling = REST + row.duration + row.settle;
     }
     flight.fly(LONGEST);
-    let summary = flight.metrics.summary();
-    // The first critical event says more than the last step of a mission that went wrong.
-    let heard = flight
-        .events
-        .iter()
-        .map(|(_, event)| event)
-        .find(|event| event.severity <= Severity::Critical)
-        .or(flight.events.last().map(|(_, event)| event))
-        .map_or("nothing", |event| event.text);
-    let lost = match (summary.lost, flight.pilot.progress()) {
-        (Some(why), _) => Some(why.to_owned()),
-        (None, Progress::Done) => None,
-        (None, Progress::Failed(_) | Progress::Flying) => Some(format!("not flown: {heard}")),
-    };
-    Ok((lost, summary.taut))
+    Ok((why_lost(&flight), flight.metrics.taut.summary()))
 }
 
 /// Every row over all seeds, worst beside its limit.

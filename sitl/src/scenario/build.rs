@@ -39,6 +39,7 @@ impl Scenario {
             drag_quadratic: v.drag_quadratic,
             rate_damping: v.rate_damping,
         };
+        let is_free = t.kind == TetherKind::None;
         let winch = (t.kind == TetherKind::Winch).then_some(WinchModel {
             lag: t.winch_lag,
             error: t.winch_error,
@@ -65,12 +66,13 @@ impl Scenario {
                 stiffness: t.stiffness,
                 damping_ratio: t.damping_ratio,
                 reference_mass: v.mass,
-                line_density: t.line_density,
-                diameter: t.diameter,
+                // No line hangs on a vehicle without one.
+                line_density: if is_free { 0.0 } else { t.line_density },
+                diameter: if is_free { 0.0 } else { t.diameter },
                 attachment: t.attachment,
-                pulls: t.kind != TetherKind::Strut,
+                pulls: !matches!(t.kind, TetherKind::Strut | TetherKind::None),
                 pushes: matches!(t.kind, TetherKind::Strut | TetherKind::Bar),
-                is_broken: t.kind == TetherKind::None,
+                is_broken: false,
             },
             wind: WindModel {
                 speed: self.wind.speed,

@@ -4,7 +4,7 @@
 use super::record::{CHANNELS, Record};
 use crate::scenario::set_param;
 use std::fs::File;
-use std::io::BufReader;
+use std::io::{BufReader, Read};
 use std::path::Path;
 use tautline_firmware::log::topics::mode_number;
 use tautline_firmware::param::Params;
@@ -15,6 +15,8 @@ use yule_log::{ULogData, ULogMessages};
 
 /// After the change into a mode that counts, s: take-off still shakes it.
 const SETTLE: f64 = 2.0;
+/// Closer to the ground than this its cushion and the feet push too, m.
+const CLEAR: f32 = 1.5;
 /// `vehicle_status.ground_state` in the air.
 const IN_AIR: u8 = 2;
 
@@ -30,6 +32,7 @@ mod logged {
         Motors(ActuatorMotors),
         Status(VehicleStatus),
         Battery(BatteryStatus),
+        Position(VehicleLocalPosition),
         #[yule_log(forward_other)]
         Other(UlogMessage),
     }
@@ -49,6 +52,10 @@ mod logged {
         pub timestamp: u64,
     }
     #[derive(ULogData)]
+    pub struct VehicleLocalPosition {
+        pub dist_bottom: f32,
+    }
+    #[derive(ULogData)]
     pub struct BatteryStatus {
         pub voltage_v: f32,
     }
@@ -60,13 +67,22 @@ use logged::LoggedMessages as Logged;
 /// # Errors
 /// One line naming the file.
 pub fn from_log(path: &Path, params: &mut Params) -> Result<Record, String> {
-    let name = path.display();
+    let name = path.display().to_string();
     let file = File::open(path).map_err(|e| format!("{name}: {e}"))?;
-    let stream = Logged::stream(BufReader::new(file)).map_err(|e| format!("{name}: {e}"))?;
+    read_log(BufReader::new(file), &name, params)
+}
+
+/// The same from anywhere; `name` stands in the errors.
+///
+/// # Errors
+/// One line naming the log.
+pub fn read_log(input: impl Read, name: &str, params: &mut Params) -> Result<Record, String> {
+    let stream = Logged::stream(input).map_err(|e| format!("{name}: {e}"))?;
     let by_stick = [Mode::Altitude, Mode::Stabilize].map(mode_number);
     let mut record = Record { voltage: Some(Vec::new()), ..Record::default() };
     let mut since: Option<f64> = None;
     let mut voltage = None;
+    let mut is_clear = false;
     let mut throttle: Option<Vec<f32>> = None;
     let mut force = Mean::default();
     for message in stream {
@@ -76,6 +92,7 @@ pub fn from_log(path: &Path, params: &mut Params) -> Result<Record, String> {
                 let _ = set_param(params, &p.key, number(&p.value));
             }
             Logged::Other(_) => {}
+            Logged::Position(p) => is_clear = p.dist_bottom > CLEAR,
             Logged::Battery(b) => voltage = Some(f64::from(b.voltage_v)),
             Logged::Status(s) => {
                 let counts = s.ground_state == IN_AIR && by_stick.contains(&s.nav_state);
@@ -88,7 +105,7 @@ pub fn from_log(path: &Path, params: &mut Params) -> Result<Record, String> {
             }
             Logged::Motors(m) => {
                 let time = m.timestamp as f64 * 1e-6;
-                let counts = since.is_some_and(|since| time >= since + SETTLE);
+                let counts = is_clear && since.is_some_and(|since| time >= since + SETTLE);
                 // What acted until now is what was sent at the end of the last period.
                 let acted = throttle.replace(m.control);
                 let (Some(down), Some(acted), Some(volts)) = (force.take(), acted, voltage) else {

@@ -17,7 +17,7 @@ pub use arx::arx;
 pub use draw::draw_predictions;
 pub use fit::{Form, fit};
 pub use identify::{AHEAD, Identified, Model, STRUCTURES, identify, recommend};
-pub use log::from_log;
+pub use log::{from_log, read_log};
 pub use polynomial::{Polynomial, largest_root};
 pub use prepare::{Prepared, RATE, Signals, low_pass_channel, prepare};
 pub use record::{CHANNELS, Record, parse_csv, read_csv};

@@ -1,0 +1,155 @@
+//! Tether Angle on the whole simulated quadrotor: `flight` section 7, twenty seeds a row.
+
+use super::flown::why_lost;
+use super::{Ask, Compare, Report};
+use crate::angle_metrics::AngleFlightSummary;
+use crate::flight::Flight;
+use crate::parallel;
+use crate::scenario::{Scenario, Step};
+
+/// Vehicle, sensors and parameters of every row.
+pub const BASE: &str = include_str!("../../scenarios/angle.toml");
+/// Flights of a row.
+const SEEDS: u64 = 20;
+/// How far the vehicle is from the set-point at the start, the nose from its believed heading, and the
+/// thrust scale from the truth: deg, deg, 1.
+const START: f64 = 5.0;
+const HEADING: f64 = 2.0;
+const THRUST: f64 = 0.01;
+/// The anchor's walk: m, m/s, s.
+const WALK: [f64; 3] = [1.0, 0.3, 1.0];
+/// Before the walk and the whole hold, s.
+const BEFORE: f64 = 4.0;
+const HOLD: f64 = 26.0;
+/// Longest flight, s.
+pub const LONGEST: f64 = 120.0;
+
+/// One row; angles in deg.
+#[derive(Clone, Copy)]
+struct Row {
+    name: &'static str,
+    /// Of the tether from straight up.
+    angle: f64,
+    /// Over mass, m/s².
+    thrust: f32,
+    /// Error of the believed thrust; `None`: 1 % of either sign.
+    error: Option<f64>,
+    heading: f64,
+    gust: f64,
+    /// Lost of twenty, estimate and tracking rms.
+    limits: Option<[f64; 3]>,
+}
+
+const STEEP: Row = Row {
+    name: "30 deg, thrust 16 m/s²",
+    angle: 30.0,
+    thrust: 16.0,
+    error: None,
+    heading: HEADING,
+    gust: 0.0,
+    limits: Some([1.0, 2.5, 4.5]),
+};
+const FLAT: Row =
+    Row { name: "45 deg, thrust 16 m/s²", angle: 45.0, limits: Some([1.0, 4.0, 6.0]), ..STEEP };
+
+fn rows() -> [Row; 8] {
+    let shown = Row { limits: None, ..STEEP };
+    [
+        STEEP,
+        FLAT,
+        Row { name: "30 deg, thrust 14 m/s²", thrust: 14.0, ..shown },
+        Row { name: "30 deg, thrust 12 m/s²", thrust: 12.0, ..shown },
+        Row { name: "30 deg, gusts of 3 m/s", gust: 3.0, ..shown },
+        Row { name: "45 deg, gusts of 3 m/s", gust: 3.0, angle: 45.0, ..shown },
+        Row { name: "30 deg, heading off by 5 deg", heading: 5.0, ..shown },
+        Row { name: "30 deg, thrust 5 % lower than believed", error: Some(-0.05), ..shown },
+    ]
+}
+
+/// A flight of a row: every combination of signs and the walk's directions in turn.
+fn scenario(row: &Row, seed: u64) -> Result<Scenario, String> {
+    let mut s = Scenario::parse(BASE, "angle.toml").map_err(|e| e.0)?;
+    let sign = |bit: u64| if (seed >> bit) & 1 == 0 { 1.0 } else { -1.0 };
+    let elevation = 90.0 - row.angle;
+    let start = elevation + sign(1) * START;
+    s.vehicle.common_thrust_error = 0.0;
+    let error = row.error.unwrap_or(sign(0) * THRUST);
+    s.params.insert("THR_SCALE".into(), (1.0 - error) as f32);
+    s.params.insert("TAG_THR_ACC".into(), row.thrust);
+    s.vehicle.heading = (sign(2) * row.heading).to_radians();
+    s.params.insert("TET_HDG0".into(), 0.0);
+    s.wind.pulse = row.gust;
+    let [way, speed, ramp] = WALK;
+    let way = match seed % 3 {
+        0 => [way, 0.0],
+        1 => [0.0, way],
+        _ => [-way, 0.0],
+    };
+    s.mission = vec![
+        Step::Arm,
+        Step::Takeoff { altitude: s.tether.length * start.to_radians().sin() },
+        Step::Hold { seconds: 6.0 },
+        Step::TetherAngle,
+        Step::Move {
+            elevation: Some(elevation.to_radians()),
+            azimuth: None,
+            length: None,
+            tension: None,
+        },
+        Step::Hold { seconds: BEFORE },
+        Step::WalkAnchor { way, speed, ramp },
+        Step::Hold { seconds: HOLD },
+    ];
+    Ok(s)
+}
+
+/// Why lost, if lost, and the figures.
+type Flown = (Option<String>, Option<AngleFlightSummary>);
+
+fn fly(row: &Row, ask: &Ask, seed: u64) -> Result<Flown, String> {
+    let s = ask.on(scenario(row, seed)?)?;
+    let params = s.params().map_err(|e| e.0)?;
+    let mut flight = Flight::new(&s, params, seed, std::io::sink()).map_err(|e| e.0)?;
+    flight.fly(LONGEST);
+    Ok((why_lost(&flight), flight.metrics.angle.summary()))
+}
+
+/// Every row over all seeds, worst beside its limit.
+pub fn run(ask: &Ask) -> Result<Report, String> {
+    let mut report = Report::default();
+    let seeds = ask.seeds(SEEDS)?;
+    for row in rows() {
+        let work = |seed: &u64| fly(&row, ask, *seed);
+        let flown = parallel::map(&seeds, parallel::cores(), work, |_| {});
+        let (mut lost, mut worst) = (0.0, [0.0_f64; 3]);
+        for (seed, outcome) in seeds.iter().zip(flown) {
+            let (why, figures) = outcome?;
+            match (why, figures) {
+                (None, Some(f)) => {
+                    let now = [f.estimate_rms_rad, f.tracking_rms_rad, f.tension_rms_n];
+                    worst.iter_mut().zip(now).for_each(|(worst, x)| *worst = worst.max(x));
+                }
+                (why, _) => {
+                    lost += 1.0;
+                    let why = why.unwrap_or_else(|| "never flew the mode".into());
+                    report.notes.push(format!("{}, seed {seed}: {why}", row.name));
+                }
+            }
+        }
+        let [estimate, tracking, tension] = worst;
+        let limit = |i: usize| {
+            row.limits.and_then(|l| l.get(i).copied()).map_or(Compare::Alone, Compare::AtMost)
+        };
+        let name = row.name;
+        report.add(format!("{name}: lost, 1"), lost, limit(0));
+        report.add(format!("{name}: estimate rms, deg"), estimate.to_degrees(), limit(1));
+        report.add(format!("{name}: tracking rms, deg"), tracking.to_degrees(), limit(2));
+        report.add(format!("{name}: tension rms, N"), tension, Compare::Alone);
+    }
+    report.notes.push(format!(
+        "Worst of {} seeds on the worse of two axes, from 4 s after the mode began; anchor walked 1 m at 0.3 \
+         m/s out, aside or in; start 5 deg off, heading 2 deg, thrust 1 %.",
+        seeds.len()
+    ));
+    Ok(report)
+}
