@@ -1,9 +1,12 @@
 //! The flight on disk: the firmware's own ULog, and the truth beside it.
 
+use crate::beside::{Beside, TOPICS};
 use crate::plant::Plant;
 use nalgebra::UnitQuaternion;
 use std::io::{self, Write};
-use tautline_firmware::log::topics::{TetherState, VehicleAttitude, VehicleLocalPosition};
+use tautline_firmware::log::topics::{
+    EstimatorPosition, TetherState, VehicleAttitude, VehicleLocalPosition,
+};
 use tautline_firmware::log::{FlightLog, Topic};
 use tautline_firmware::param::Params;
 use tautline_firmware::time::Micros;
@@ -11,6 +14,8 @@ use tautline_firmware::vehicle::StepOutput;
 
 /// Truth is written every so many steps.
 const TRUTH_PERIOD: u64 = 10;
+/// So are the estimators that run beside.
+const BESIDE_PERIOD: u64 = 20;
 
 const ATTITUDE: &str = "vehicle_attitude_groundtruth";
 const POSITION: &str = "vehicle_local_position_groundtruth";
@@ -23,6 +28,8 @@ pub struct Recorder<W: Write> {
     attitude: Topic,
     position: Topic,
     tether: Topic,
+    beside: Beside,
+    beside_topics: [Topic; TOPICS.len()],
     out: W,
     steps: u64,
     error: Option<io::Error>,
@@ -48,13 +55,18 @@ impl<W: Write> Recorder<W> {
                 ulog.define::<VehicleAttitude>(ATTITUDE, sink);
                 ulog.define::<VehicleLocalPosition>(POSITION, sink);
                 ulog.define::<TetherState>(TETHER, sink);
+                for name in TOPICS {
+                    ulog.define::<EstimatorPosition>(name, sink);
+                }
             },
             &mut sink,
         );
         let attitude = log.ulog.subscribe(ATTITUDE, &mut sink);
         let position = log.ulog.subscribe(POSITION, &mut sink);
         let tether = log.ulog.subscribe(TETHER, &mut sink);
-        Self { log, attitude, position, tether, out, steps: 0, error }
+        let beside_topics = TOPICS.map(|name| log.ulog.subscribe(name, &mut sink));
+        let beside = Beside::new(params);
+        Self { log, attitude, position, tether, beside, beside_topics, out, steps: 0, error }
     }
 
     /// One step and the truth at its end.
@@ -67,6 +79,15 @@ impl<W: Write> Recorder<W> {
             self.log.ulog.write(self.attitude, &true_attitude(at, plant), &mut sink);
             self.log.ulog.write(self.position, &true_position(at, plant), &mut sink);
             self.log.ulog.write(self.tether, &true_tether(at, plant), &mut sink);
+        }
+        self.beside.step(out);
+        if self.steps.is_multiple_of(BESIDE_PERIOD) {
+            let records = self.beside.records(out.now.0);
+            for (topic, record) in self.beside_topics.iter().zip(&records) {
+                if let Some(record) = record {
+                    self.log.ulog.write(*topic, record, &mut sink);
+                }
+            }
         }
         self.steps += 1;
     }
