@@ -35,6 +35,12 @@ fn a_wrong_initial_estimate_converges_as_in_the_journal_article() {
 }
 
 #[test]
+fn poles_and_planar_loop_of_the_tether_angle_are_as_published_and_specified() {
+    assert_passes("tether-poles");
+    assert_passes("tether-loop");
+}
+
+#[test]
 fn a_setting_changes_the_figures_and_may_fail_them() {
     // With a tenth of the observer's speed nothing converges in time.
     let slow = report("planar-initial-errors", &[("observer.epsilon", "1.0")]);

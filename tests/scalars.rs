@@ -2,11 +2,15 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, clippy::indexing_slicing, reason = "tests")]
 
-use tautline_firmware::control::{Mixer, ThrustMap};
+use tautline_firmware::control::{Mixer, TetherAngleLoop, ThrustMap};
+use tautline_firmware::estimate::tether_angle::{
+    TENSION_FLOOR, TetherAngleState, TetherAngleUkf, locate,
+};
 use tautline_firmware::estimate::{Mahony, MahonyState};
 use tautline_firmware::fixed::Q16;
 use tautline_firmware::frames::{Attitude, Body, V3};
 use tautline_firmware::math::so3;
+use tautline_firmware::model::{TetherAngle, TetherAngleModel, TiltImu};
 use tautline_firmware::param::Params;
 use tautline_firmware::scalar::Scalar;
 use tautline_firmware::sense::ImuScale;
@@ -75,6 +79,54 @@ fn rotations_and_smooth_steps_agree_in_fixed_point() {
         let (e, f) = (smooth_step(a / 3.0), smooth_step(Q16::lit(a / 3.0)));
         assert!((f64::from(f.0.to_f32()) - e.0).abs() < 2e-4);
     }
+}
+
+/// Tether angle and tilt of one reading, and the tilt rate that the controller asks.
+fn tether<S: Scalar>(angle: f64) -> [f32; 3] {
+    let model = TetherAngleModel::try_new(S::lit(14.0), S::lit(5.0)).unwrap();
+    let tilt = model.equilibrium_tilt(S::lit(angle)).unwrap();
+    let x = TetherAngle { angle: S::lit(angle), rate: S::lit(0.1), tilt };
+    let force = model.specific_force(&x, model.tension(&x, [S::zero(); 2]));
+    let floor = S::lit(TENSION_FLOOR);
+    let found = locate(&model, force, x.rate, tilt, floor).unwrap();
+    let asked = TetherAngleLoop::spatial().step(&model, S::lit(0.5), &x);
+    [found.angle, found.tilt, asked.rate].map(Scalar::to_f32)
+}
+
+#[test]
+fn tether_sensing_and_control_agree_in_all_scalars() {
+    for i in 20..80 {
+        let angle = f64::from(i).to_radians();
+        let (double, single, fixed) =
+            (tether::<f64>(angle), tether::<f32>(angle), tether::<Q16>(angle));
+        for k in 0..3 {
+            assert!((single[k] - double[k]).abs() < 1e-5, "{i}: {single:?} {double:?}");
+            // The cosine of the angle carries 2^-16 of the forces; 1e-3 seen.
+            assert!((fixed[k] - double[k]).abs() < 4e-3, "{i}: {fixed:?} {double:?}");
+        }
+    }
+}
+
+/// A second of the unscented filter on a reading at rest, started 6° off.
+fn filtered<S: Scalar>() -> f32 {
+    let model = TetherAngleModel::try_new(S::lit(14.0), S::lit(5.0)).unwrap();
+    let angle = S::lit(0.6);
+    let rest = TetherAngle { angle, rate: S::zero(), tilt: model.equilibrium_tilt(angle).unwrap() };
+    let [x, z] = model.specific_force(&rest, model.tension(&rest, [S::zero(); 2]));
+    let ukf = TetherAngleUkf::try_new(S::lit(0.0125)).unwrap();
+    let mut state = TetherAngleState::at(TetherAngle { angle: S::lit(0.7), ..rest });
+    for _ in 0..80 {
+        ukf.step(&model, &mut state, &TiltImu { x, z, rate: S::zero() });
+    }
+    state.belief.x.angle.to_f32()
+}
+
+#[test]
+fn the_unscented_filter_agrees_in_all_scalars() {
+    let (double, single, fixed) = (filtered::<f64>(), filtered::<f32>(), filtered::<Q16>());
+    assert!((single - double).abs() < 1e-4, "{single} {double}");
+    // Covariances of 1e-3 rad² have six bits in Q16.16.
+    assert!((fixed - double).abs() < 0.02, "{fixed} {double}");
 }
 
 /// The same readings through a whole vehicle: at rest on the ground, levelling.

@@ -51,7 +51,7 @@ impl<S: Scalar> Vehicle<S> {
     /// In a taut-link mode its own observer says so.
     fn link_is_taut(&self) -> bool {
         if let Some(angle) = &self.state.angle_flight {
-            return angle.estimate.slack() <= S::zero();
+            return angle.slack <= S::zero();
         }
         match self.state.taut.estimate().filter(|_| self.state.taut_flight.is_some()) {
             _ if self.config.kind.is_rigid() || self.takes_off_slack() => true,

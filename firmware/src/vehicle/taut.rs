@@ -27,8 +27,8 @@ const SAME: f64 = 1e-3;
 const CORRECTION_MAX: f64 = 0.4;
 /// A cable that pulls less than this share of what is wanted is slack or broken; for so long, s, it may:
 /// shorter where the vehicle would speed up after the missing force.
-const SLACK_SHARE: f64 = 0.3;
-const SLACK_TIME_FORCE: f64 = 0.5;
+pub(super) const SLACK_SHARE: f64 = 0.3;
+pub(super) const SLACK_TIME_FORCE: f64 = 0.5;
 const SLACK_TIME_ATTITUDE: f64 = 1.0;
 /// Shortest automatic move, s; automatic change of link force, N/s.
 const MOVE_SHORTEST: f64 = 3.0;

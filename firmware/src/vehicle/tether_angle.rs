@@ -6,7 +6,7 @@
 
 use super::Vehicle;
 use super::requests::{Refusal, denied, rejected};
-use super::taut::NEEDS_FIXED_LENGTH;
+use super::taut::{NEEDS_FIXED_LENGTH, SLACK_SHARE, SLACK_TIME_FORCE};
 use crate::control::{AttitudeCommand, TetherAngleLoop};
 use crate::estimate::tether_angle::{
     TetherAngleEstimate, TetherAngleEstimator, TetherAngleEstimatorState, plane_angles,
@@ -47,6 +47,8 @@ pub(super) struct AngleFlight<S: Scalar> {
     tilt_rates: [S; 2],
     /// N.
     thrust: S,
+    /// How long the tether has pulled less than it should, s.
+    pub slack: S,
     ticks: u8,
 }
 
@@ -108,6 +110,7 @@ impl<S: Scalar> Vehicle<S> {
             filter,
             tilt_rates: [S::zero(); 2],
             thrust: thrust.min(mode.thrust_max),
+            slack: S::zero(),
             ticks: 0,
         });
         Ok(())
@@ -127,7 +130,11 @@ impl<S: Scalar> Vehicle<S> {
         let (position, velocity) = state.plan.step(dt);
         state.reference =
             Some(FlightReference { position, velocity, yaw: state.yaw, tension: state.tension });
-        if !flight.estimate.is_running() {
+        // Off its tether the vehicle speeds up until its drag looks like a pull.
+        let pulls = flight.estimate.pull > flight.estimate.tension * S::lit(SLACK_SHARE);
+        flight.slack = if pulls { S::zero() } else { flight.slack + dt };
+        let is_slack = flight.slack > S::lit(SLACK_TIME_FORCE);
+        if is_slack || !flight.estimate.is_running() {
             events.push(Event::critical("Tether slack: descending"));
             return self.enter(Mode::Descent);
         }

@@ -120,8 +120,8 @@ impl LeastSquaresProblem<f64, Dyn, Dyn> for Problem<'_> {
 
 /// Starts from ARX, or from the static gains with slow and fast poles.
 fn starts(form: Form, data: &Signals) -> Result<Vec<Vec<f64>>, String> {
-    let from_arx = arx(data, 2, 2)?;
     if form == Form::Armax {
+        let from_arx = arx(data, 2, 2)?;
         let mut theta: Vec<f64> = from_arx.a[1..].to_vec();
         theta.extend(from_arx.inputs.iter().flat_map(|[b, _]| b[1..].to_vec()));
         theta.extend([0.0, 0.0]);
@@ -131,6 +131,8 @@ fn starts(form: Form, data: &Signals) -> Result<Vec<Vec<f64>>, String> {
     let inputs = DMatrix::from_fn(rows, data.inputs.len(), |r, c| data.inputs[c][r]);
     let gains = least_squares(inputs, &DVector::from_column_slice(&data.output))
         .ok_or("the inputs depend on each other")?;
+    // The noise as ARX has it.
+    let noise = if form == Form::BoxJenkins { arx(data, 2, 2)?.a } else { vec![1.0] };
     let start = |pole: f64| {
         let mut theta: Vec<f64> = gains
             .iter()
@@ -141,9 +143,8 @@ fn starts(form: Form, data: &Signals) -> Result<Vec<Vec<f64>>, String> {
             })
             .collect();
         if form == Form::BoxJenkins {
-            // The noise as ARX has it.
             theta.extend([0.0, 0.0]);
-            theta.extend_from_slice(&from_arx.a[1..]);
+            theta.extend_from_slice(&noise[1..]);
         }
         theta
     };

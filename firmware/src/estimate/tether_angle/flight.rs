@@ -47,6 +47,8 @@ pub struct TetherAngleEstimate<S: Scalar> {
     pub direction: World<V3<S>>,
     /// Of the tether at rest under this thrust, N.
     pub tension: S,
+    /// What the accelerometer shows beside the thrust: tether, drag, noise, N.
+    pub pull: S,
 }
 
 /// NED to North-West-up, FRD to forward-left-up, and back.
@@ -158,6 +160,10 @@ impl<S: Scalar> TetherAngleEstimator<S> {
             models: angles.planar_models(&state.filters, &frame),
             direction: World(flip(&direction)),
             tension: (along - weight * direction.z) * self.mass,
+            pull: {
+                let lift = V3::new(S::zero(), S::zero(), angles.model.thrust);
+                so3::norm(&(state.force - lift)) * self.mass
+            },
         }
     }
 
@@ -175,13 +181,6 @@ impl<S: Scalar> TetherAngleEstimator<S> {
 }
 
 impl<S: Scalar> TetherAngleEstimate<S> {
-    /// How long the tether has not pulled, s: the longer of both planes.
-    #[must_use]
-    pub fn slack(&self) -> S {
-        let [x, y] = &self.planes;
-        x.slack().max(y.slack())
-    }
-
     /// Both planes have an estimate.
     #[must_use]
     pub fn is_running(&self) -> bool {

@@ -130,12 +130,6 @@ impl<S: Scalar> TetherAngleState<S> {
     pub fn is_running(&self) -> bool {
         self.is_running
     }
-
-    /// How long the tether has not pulled, s.
-    #[must_use]
-    pub fn slack(&self) -> S {
-        self.slack
-    }
 }
 
 fn start_covariance<S: Scalar>() -> M3<S> {
