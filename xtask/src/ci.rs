@@ -74,23 +74,35 @@ fn campaigns() -> Outcome {
 
 /// Every reproduced result against its published figures; the flights with a few seeds.
 fn experiments() -> Outcome {
-    let planar = [
-        "nominal",
-        "initial-errors",
-        "parameters",
-        "general-model",
-        "noise",
-        "motors",
-        "compression",
-        "observer-forms",
-        "acceptance",
-        "robustness",
+    let whole = [
+        "planar-nominal",
+        "planar-initial-errors",
+        "planar-parameters",
+        "planar-general-model",
+        "planar-noise",
+        "planar-motors",
+        "planar-compression",
+        "planar-observer-forms",
+        "planar-acceptance",
+        "planar-robustness",
+        "tether-sensitivity",
+        "tether-poles",
+        "tether-loop",
+        "tether-space",
+        "localization-tension",
+        "localization-sweeps",
+        "localization-headroom",
+        "thrust-structures",
+        "sensing-acceptance",
     ];
-    for key in planar {
+    for key in whole {
         let folder = format!("target/experiments/{key}");
-        run(sitl(), &["experiment", &format!("planar-{key}"), "--plot", &folder])?;
+        run(sitl(), &["experiment", key, "--plot", &folder])?;
     }
-    run(sitl(), &["experiment", "taut-flight", "--set", "seeds=4"])
+    for (key, seeds) in [("taut-flight", 4), ("angle-flight", 4), ("thrust-flight", 2)] {
+        run(sitl(), &["experiment", key, "--set", &format!("seeds={seeds}")])?;
+    }
+    run(sitl(), &["sysid", "tests/golden/sysid.csv", "--plot", "target/experiments/sysid"])
 }
 
 fn sitl() -> &'static str {

@@ -204,7 +204,7 @@ params! {
         taut_altimeter_tau: "TLK_ALT_TAU" Real ["s"] = 1.5 in 0.0 ..= 60.0;
     }
     "Tether angle" {
-        /// Thrust over mass in Tether Angle. Less than 14 makes the estimate poor, 12 is lost in one flight of seven.
+        /// Thrust over mass in Tether Angle: more tension, and so a better estimate, the higher it is.
         angle_thrust: "TAG_THR_ACC" Real ["m/s^2"] = 16.0 in 10.5 ..= 40.0;
         /// Time constant of the tether angle.
         angle_tether_time: "TAG_TAU" Real ["s"] = 1.2 in 0.2 ..= 10.0;

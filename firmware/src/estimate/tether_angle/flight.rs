@@ -16,6 +16,10 @@ use crate::time::OUTER_DT;
 /// Outer steps per filter step: 12 ms, the article has 12.5.
 const DECIMATION: u8 = 3;
 
+/// How well position and attitude filter know the angle, its rate and the tilt at the start: 3°, 0.1 rad/s
+/// and 1.5°. With the 10° of a single reading the angle near zero, hardly observable, runs away.
+const START: [f64; 3] = [0.052, 0.1, 0.026];
+
 /// Configuration.
 #[derive(Clone, Copy, Debug)]
 pub struct TetherAngleEstimator<S: Scalar> {
@@ -102,8 +106,10 @@ impl<S: Scalar> TetherAngleEstimator<S> {
     ) -> TetherAngleEstimatorState<S> {
         let angles = plane_angles(position);
         let tilts = plane_angles(&World(-so3::col_z(&attitude.0)));
-        let plane =
-            |angle, tilt| TetherAngleState::at(TetherAngle { angle, rate: S::zero(), tilt });
+        let plane = |angle, tilt| {
+            let x = TetherAngle { angle, rate: S::zero(), tilt };
+            TetherAngleState::known(x, START.map(S::lit))
+        };
         let ([ax, ay], [tx, ty]) = (angles, tilts);
         TetherAngleEstimatorState {
             filters: TetherAnglesState { planes: [plane(ax, tx), plane(ay, ty)] },

@@ -113,11 +113,18 @@ impl<S: Scalar> TetherAngleState<S> {
         }
     }
 
-    /// Started at a known state.
+    /// Started at a known state, as uncertain as after one reading.
     #[must_use]
     pub fn at(x: TetherAngle<S>) -> Self {
+        Self::known(x, [START_ANGLE, START_RATE, START_ANGLE].map(S::lit))
+    }
+
+    /// Started at a known state with these standard deviations of angle, rate and tilt.
+    #[must_use]
+    pub fn known(x: TetherAngle<S>, deviations: [S; 3]) -> Self {
+        let [angle, rate, tilt] = deviations.map(|d| d * d);
         Self {
-            belief: Belief { x, covariance: start_covariance() },
+            belief: Belief { x, covariance: M3::from_diagonal(&V3::new(angle, rate, tilt)) },
             mode: TetherAngleMode::Started,
             is_running: true,
             slack: S::zero(),
@@ -130,11 +137,6 @@ impl<S: Scalar> TetherAngleState<S> {
     pub fn is_running(&self) -> bool {
         self.is_running
     }
-}
-
-fn start_covariance<S: Scalar>() -> M3<S> {
-    let angle = S::lit(START_ANGLE * START_ANGLE);
-    M3::from_diagonal(&V3::new(angle, S::lit(START_RATE * START_RATE), angle))
 }
 
 fn vector<S: Scalar>(x: &TetherAngle<S>) -> V3<S> {
