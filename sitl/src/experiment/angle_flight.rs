@@ -5,7 +5,12 @@ use super::{Ask, Compare, Report};
 use crate::angle_metrics::AngleFlightSummary;
 use crate::flight::Flight;
 use crate::parallel;
+use crate::report::chart::{ESTIMATE, Line, Panel, Points, SETPOINT, THIRD, TRUTH};
+use crate::report::grid::{self, grid};
 use crate::scenario::{Scenario, Step};
+use plotters::prelude::SeriesLabelPosition;
+use tautline_firmware::estimate::tether_angle::plane_angles;
+use tautline_firmware::frames::World;
 
 /// Vehicle, sensors and parameters of every row.
 pub const BASE: &str = include_str!("../../scenarios/angle.toml");
@@ -146,10 +151,69 @@ pub fn run(ask: &Ask) -> Result<Report, String> {
         report.add(format!("{name}: tracking rms, deg"), tracking.to_degrees(), limit(2));
         report.add(format!("{name}: tension rms, N"), tension, Compare::Alone);
     }
+    let cells = picture(ask)?;
+    report.picture("angle-flight.svg", move |path| grid(path, 2, &cells));
     report.notes.push(format!(
         "Worst of {} seeds on the worse of two axes, from 4 s after the mode began; anchor walked 1 m at 0.3 \
          m/s out, aside or in; start 5 deg off, heading 2 deg, thrust 1 %.",
         seeds.len()
     ));
     Ok(report)
+}
+
+/// One flight of the first row, from the change into the mode on: anchor and vehicle, angles, tension.
+fn picture(ask: &Ask) -> Result<Vec<grid::Cell>, String> {
+    let s = ask.on(scenario(&STEEP, 3)?)?;
+    let params = s.params().map_err(|e| e.0)?;
+    let mut flight = Flight::new(&s, params, 3, std::io::sink()).map_err(|e| e.0)?;
+    let mut began = None;
+    let mut series: [Points; 10] = Default::default();
+    while flight.world.time() < LONGEST && !flight.is_over() {
+        let out = flight.step(&mut |_| {});
+        let (Some(angle), Some(reference)) = (&out.angle, &out.reference) else { continue };
+        let now = flight.world.time();
+        let time = now - *began.get_or_insert(now);
+        let plant = &flight.world.plant;
+        let [north, west] = plane_angles(&World(plant.end())).map(f64::to_degrees);
+        let [seen_north, seen_west] = angle.angles().map(|x| f64::from(x).to_degrees());
+        let wanted = plane_angles(&World(reference.position.0.map(f64::from)));
+        let [wanted_north, wanted_west] = wanted.map(f64::to_degrees);
+        let values = [
+            plant.anchor.position.x,
+            plant.body.position.x,
+            wanted_north,
+            north,
+            seen_north,
+            wanted_west,
+            west,
+            seen_west,
+            plant.tether.tension,
+            f64::from(angle.tension),
+        ];
+        for (points, value) in series.iter_mut().zip(values) {
+            points.push((time, value));
+        }
+    }
+    let [anchor, body, wn, north, sn, ww, west, sw, tension, seen] = series;
+    let angles = |title: &'static str, wanted, truth, seen| {
+        let lines = vec![
+            Line::new("true", TRUTH, truth),
+            Line::new("estimated", ESTIMATE, seen),
+            Line::new("asked", SETPOINT, wanted).dashed(),
+        ];
+        (Panel::new(title, "time, s", "deg"), lines)
+    };
+    Ok(vec![
+        (
+            Panel::new("The anchor walks, the vehicle follows", "time, s", "north, m")
+                .legend(SeriesLabelPosition::MiddleRight),
+            vec![Line::new("vehicle", TRUTH, body), Line::new("anchor", THIRD, anchor)],
+        ),
+        angles("Tether angle in the plane of north", wn, north, sn),
+        angles("in the plane of west", ww, west, sw),
+        (
+            Panel::new("Tension", "time, s", "N"),
+            vec![Line::new("true", TRUTH, tension), Line::new("estimated", ESTIMATE, seen)],
+        ),
+    ])
 }

@@ -7,6 +7,7 @@ use crate::localization::{
 use crate::parallel;
 use crate::report::chart::{ESTIMATE, Line, Panel, Points, SETPOINT, THIRD, TRUTH};
 use crate::report::grid::{self, grid};
+use plotters::prelude::SeriesLabelPosition;
 use plotters::style::RGBColor;
 use tautline_firmware::estimate::localization::ErrorStateNoise;
 
@@ -200,13 +201,24 @@ fn sweep(
     Ok(out)
 }
 
-fn cell(title: &'static str, x: &'static str, s: &Sweep) -> grid::Cell {
-    let names =
-        [("3-state", THIRD), ("4-state", ESTIMATE), ("low-pass", SETPOINT), ("error-state", TRUTH)];
-    let lines = s.errors.iter().zip(names).map(|(errors, (name, colour))| {
+fn cell(
+    title: &'static str,
+    x: &'static str,
+    legend: SeriesLabelPosition,
+    s: &Sweep,
+) -> grid::Cell {
+    let [three, four, low, error_state] = &s.errors;
+    let line = |name: &'static str, colour: RGBColor, errors: &[f64]| {
         Line::new(name, colour, s.values.iter().copied().zip(errors.iter().copied()).collect())
-    });
-    (Panel::new(title, x, "horizontal rms per axis, m"), lines.collect())
+    };
+    // The 3-state filter lies on the 4-state one.
+    let lines = vec![
+        line("low-pass", SETPOINT, low),
+        line("4-state", ESTIMATE, four),
+        line("3-state", TRUTH, three).dashed(),
+        line("error-state", THIRD, error_state),
+    ];
+    (Panel::new(title, x, "horizontal rms per axis, m").legend(legend), lines)
 }
 
 fn add_sweep(report: &mut Report, what: &str, unit: &str, s: &Sweep) {
@@ -275,9 +287,9 @@ pub fn sweeps(ask: &Ask) -> Result<Report, String> {
         Compare::Claim("below 0.3 m", largest < 0.3),
     );
     let cells = vec![
-        cell("Altitude, 4 N (Fig. 12)", "m", &altitude),
-        cell("Velocity, 4 N (Fig. 13)", "m/s", &velocity),
-        cell("Cable tension (Fig. 14)", "N", &tension),
+        cell("Altitude, 4 N (Fig. 12)", "m", SeriesLabelPosition::MiddleLeft, &altitude),
+        cell("Velocity, 4 N (Fig. 13)", "m/s", SeriesLabelPosition::UpperLeft, &velocity),
+        cell("Cable tension (Fig. 14)", "N", SeriesLabelPosition::UpperRight, &tension),
     ];
     report.picture("sweeps.svg", move |path| grid(path, 2, &cells));
     Ok(report)

@@ -8,6 +8,7 @@ use crate::tether_angle::{
     AnchorMotion, AngleRow, AngleScenario, AngleTrace, Sensitivity, Setting, SpatialTrace, fly,
     fly_spatial, linearise, sensitivity,
 };
+use plotters::prelude::SeriesLabelPosition;
 use plotters::style::RGBColor;
 
 /// Draws of each point of the sensitivity figures.
@@ -191,7 +192,8 @@ pub fn poles(ask: &Ask) -> Result<Report, String> {
             lines.push(Line::new(name, colour, way.collect()));
         }
         cells.push((
-            Panel::new(format!("Tilt time {title}"), "tether angle, deg", "real part, 1/s"),
+            Panel::new(format!("Tilt time {title}"), "tether angle, deg", "real part, 1/s")
+                .legend(SeriesLabelPosition::MiddleRight),
             lines,
         ));
     }
@@ -257,7 +259,7 @@ fn angles(title: &'static str, trace: &AngleTrace) -> grid::Cell {
         Line::new(name, colour, series(trace, pick))
     };
     (
-        Panel::new(title, "time, s", "deg"),
+        Panel::new(title, "time, s", "deg").legend(SeriesLabelPosition::UpperLeft),
         vec![
             line("reference", SETPOINT, |r| r.reference).dashed(),
             line("tether", TRUTH, |r| r.truth.angle),
@@ -380,7 +382,8 @@ fn minimal(trace: &AngleTrace, s: &AngleScenario, seed: u64) -> Result<grid::Cel
     }
     let [angle, tilt] = points;
     Ok((
-        Panel::new("Each reading alone (Fig. 9)", "time, s", "deg"),
+        Panel::new("Each reading alone (Fig. 9)", "time, s", "deg")
+            .legend(SeriesLabelPosition::UpperLeft),
         vec![
             Line::new("tether by one reading", ESTIMATE, angle),
             Line::new("tilt by one reading", THIRD, tilt),

@@ -1,6 +1,6 @@
 //! Measured against predicted.
 
-use super::identify::{AHEAD, Identified, recommend};
+use super::identify::{AHEAD, Identified, SKIPPED, recommend};
 use super::prepare::{Prepared, RATE};
 use crate::report::chart::{ESTIMATE, Line, Panel, Points, THIRD, TRUTH, draw};
 use plotters::prelude::*;
@@ -22,7 +22,7 @@ pub fn draw_predictions(
     let mean = data.means.last().copied().unwrap_or(0.0);
     let series = |values: &[f64], until: f64| -> Points {
         let rows = values.iter().enumerate().map(|(i, y)| (i as f64 / RATE, y + mean));
-        rows.take_while(|(t, _)| *t <= until).collect()
+        rows.skip(SKIPPED).take_while(|(t, _)| *t <= until).collect()
     };
     let best = recommend(found);
     let simulated = found.iter().flatten().find(|m| m.name.starts_with("process"));

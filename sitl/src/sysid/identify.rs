@@ -9,7 +9,7 @@ use super::subspace::{StateSpace, subspace};
 /// Samples ahead of the predictions that are scored.
 pub const AHEAD: usize = 5;
 /// Samples at the start that are not scored.
-const SKIPPED: usize = 100;
+pub const SKIPPED: usize = 100;
 
 /// A model of any structure.
 #[derive(Clone, Debug)]
