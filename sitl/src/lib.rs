@@ -14,6 +14,7 @@ pub mod command;
 pub mod experiment;
 pub mod flight;
 pub mod inject;
+pub mod integrate;
 pub mod localization;
 pub mod metrics;
 pub mod parallel;

@@ -175,3 +175,27 @@ class GroundStation:
     def land(self):
         assert self.command(MAV.MAV_CMD_NAV_LAND) == MAV.MAV_RESULT_ACCEPTED, self.texts
         self.wait_armed(False)
+
+
+def holding(sitl, tmp_path, scenario, altitude):
+    """The vehicle of a scenario without its mission, taken off and holding: here the ground station flies."""
+    bare = tmp_path / scenario.name
+    bare.write_text(scenario.read_text().split("[[mission]]")[0])
+    vehicle = sitl("--speedup", "8", "--scenario", bare, "--seed", "1")
+    station = GroundStation(vehicle.program_port)
+    station.wait_armable()
+    station.arm()
+    station.take_off(altitude)
+    station.wait_vehicle_seconds(3)
+    return vehicle, station
+
+
+def end(vehicle, station):
+    """Back to the hold, down, and the simulator's last words."""
+    assert station.command(MAV.MAV_CMD_DO_SET_MODE, 1, 4, 3) == MAV.MAV_RESULT_ACCEPTED
+    station.wait_mode(HOLD)
+    station.wait_vehicle_seconds(3)
+    station.land()
+    station.close()
+    output, code = vehicle.end()
+    assert code == 0, output

@@ -182,8 +182,7 @@ impl<S: Scalar> Planner<S> {
 
 /// Elevation of a point at a height on a sphere around the anchor.
 fn elevation_of<S: Scalar>(height: S, length: S) -> S {
-    let sin = (height / length.max(S::lit(0.1))).limit(-S::one(), S::one());
-    sin.atan2((S::one() - sin * sin).sqrt())
+    (height / length.max(S::lit(0.1))).asin()
 }
 
 /// Unit vector and length of a reference position; straight up where it is at the anchor itself.

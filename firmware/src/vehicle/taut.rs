@@ -126,8 +126,7 @@ impl<S: Scalar> Vehicle<S> {
         let estimate = &self.state.estimate;
         let end = S::from_f32(self.params.attachment) * estimate.attitude.cos_tilt();
         let sin = (estimate.height - end) / self.config.tether_length;
-        (sensors.altitude_is_fresh && sin.abs() < S::one())
-            .then(|| sin.atan2((S::one() - sin * sin).sqrt()))
+        (sensors.altitude_is_fresh && sin.abs() < S::one()).then(|| sin.asin())
     }
 
     pub(super) fn request_taut(

@@ -5,6 +5,7 @@ use crate::localization::{
     DT, ESTIMATORS, LocalizationScenario, Outcome, SETTLED, Sample, Setup, Track, generate, run,
 };
 use crate::parallel;
+use crate::plant::V3;
 use crate::report::chart::{ESTIMATE, Line, Panel, Points, SETPOINT, THIRD, TRUTH};
 use crate::report::grid::{self, grid};
 use plotters::prelude::SeriesLabelPosition;
@@ -84,15 +85,20 @@ pub fn table(ask: &Ask) -> Result<Report, String> {
          costs the 4-state filter the most of its whole-run error."
     ));
     let mut plans = Vec::new();
+    let mut places = Vec::new();
     let mut errors = Vec::new();
     let mut pulls = Vec::new();
     for (tension, samples, out) in &kept {
         plans.push(plan(*tension, samples, out)?);
+        for axis in [0, 2] {
+            places.push(place(*tension, samples, out, axis)?);
+        }
         errors.push(error_with_bounds(*tension, samples, out, FOUR)?);
         errors.push(error_with_bounds(*tension, samples, out, PLAIN)?);
         pulls.push(pull(*tension, samples, out)?);
     }
     report.picture("trajectories.svg", move |path| grid(path, 2, &plans));
+    report.picture("positions.svg", move |path| grid(path, 2, &places));
     report.picture("errors.svg", move |path| grid(path, 2, &errors));
     report.picture("tensions.svg", move |path| grid(path, 2, &pulls));
     Ok(report)
@@ -123,6 +129,29 @@ fn plan(tension: f64, samples: &[Sample], out: &Outcome) -> Result<grid::Cell, S
         vec![
             Line::new("3-state", THIRD, way(THREE)?),
             Line::new("4-state", ESTIMATE, way(FOUR)?),
+            Line::new("truth", TRUTH, truth),
+        ],
+    ))
+}
+
+fn place(
+    tension: f64,
+    samples: &[Sample],
+    out: &Outcome,
+    axis: usize,
+) -> Result<grid::Cell, String> {
+    let pick = move |p: &V3| p.get(axis).copied().unwrap_or(f64::NAN);
+    let line = |name: &'static str, colour: RGBColor, which: usize| -> Result<Line, String> {
+        let values = track(out, which)?.fixes.iter().map(|f| pick(&f.position));
+        Ok(Line::new(name, colour, over_time(samples, values)))
+    };
+    let truth = over_time(samples, samples.iter().map(|s| pick(&s.truth)));
+    let name = AXES.get(axis).unwrap_or(&"");
+    Ok((
+        Panel::new(format!("{tension} N: position, {name}"), "time, s", "m"),
+        vec![
+            line("3-state", THIRD, THREE)?,
+            line("4-state", ESTIMATE, FOUR)?,
             Line::new("truth", TRUTH, truth),
         ],
     ))

@@ -1,7 +1,8 @@
 //! Vehicle and link as two rigid bodies with two degrees of freedom, `planar` section 2.1: the link has
 //! mass and is attached beside the centre of mass, the motors lag. Lagrange's equations, Runge-Kutta.
 
-use nalgebra::{Matrix2, Vector2, Vector6};
+use crate::integrate::runge_kutta;
+use nalgebra::{Matrix2, Vector2};
 use serde::{Deserialize, Serialize};
 
 /// What is simulated; `[plant]` of a planar scenario. The default is the journal's.
@@ -78,23 +79,19 @@ impl PlanarPlant {
             self.acting = [thrust, torque];
         }
         let h = dt / f64::from(substeps);
-        let rate = |y: &Vector6<f64>| {
-            let [[phi, phi1, theta, theta1, u1, u2]] = y.data.0;
+        let rate = |y: &[f64; 6]| {
+            let [phi, phi1, theta, theta1, u1, u2] = *y;
             let [a, b] = accelerations(&self.model, &[phi, phi1, theta, theta1], u1, u2);
             let (d1, d2) =
                 if lag > 0.0 { ((thrust - u1) / lag, (torque - u2) / lag) } else { (0.0, 0.0) };
-            Vector6::new(phi1, a, theta1, b, d1, d2)
+            [phi1, a, theta1, b, d1, d2]
         };
         let ([phi, phi1, theta, theta1], [u1, u2]) = (self.state, self.acting);
-        let mut y = Vector6::new(phi, phi1, theta, theta1, u1, u2);
+        let mut y = [phi, phi1, theta, theta1, u1, u2];
         for _ in 0..substeps {
-            let k1 = rate(&y);
-            let k2 = rate(&(y + k1 * (h / 2.0)));
-            let k3 = rate(&(y + k2 * (h / 2.0)));
-            let k4 = rate(&(y + k3 * h));
-            y += (k1 + (k2 + k3) * 2.0 + k4) * (h / 6.0);
+            y = runge_kutta(y, h, rate);
         }
-        let [[phi, phi1, theta, theta1, u1, u2]] = y.data.0;
+        let [phi, phi1, theta, theta1, u1, u2] = y;
         self.state = [phi, phi1, theta, theta1];
         self.acting = [u1, u2];
     }

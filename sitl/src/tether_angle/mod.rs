@@ -12,7 +12,7 @@ mod spatial;
 
 pub use linear::{LinearLoop, linearise};
 pub use monte_carlo::{Sensitivity, Setting, sensitivity};
-pub use plant::{Acting, Motion, Plane, PlaneModel, runge_kutta};
+pub use plant::{Acting, Motion, Plane, PlaneModel};
 pub use run::{AngleRow, AngleSummary, AngleTrace, fly};
 pub use scenario::{AnchorMotion, AngleFeedback, AngleScenario, ThrustDrop};
 pub use spatial::{SpatialRow, SpatialTrace, fly_spatial};

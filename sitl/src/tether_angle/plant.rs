@@ -1,6 +1,7 @@
 //! A point mass on a tether that pulls and never pushes, in a vertical plane, with the attitude loop
 //! (20). `inertial` sections 2 and 7; equations of its own.
 
+use crate::integrate::runge_kutta;
 use crate::plant::GRAVITY;
 
 /// Natural frequency, rad/s, and damping of the tilt-rate loop.
@@ -48,20 +49,6 @@ pub struct Acting {
     pub feed_forward: f64,
     /// Acceleration of the anchor: x, z up, m/s².
     pub anchor: [f64; 2],
-}
-
-/// One Runge–Kutta step of fourth order.
-pub fn runge_kutta<const N: usize>(
-    x: [f64; N],
-    dt: f64,
-    rate: impl Fn(&[f64; N]) -> [f64; N],
-) -> [f64; N] {
-    let ahead = |k: &[f64; N], h: f64| -> [f64; N] { std::array::from_fn(|i| x[i] + h * k[i]) };
-    let k1 = rate(&x);
-    let k2 = rate(&ahead(&k1, dt / 2.0));
-    let k3 = rate(&ahead(&k2, dt / 2.0));
-    let k4 = rate(&ahead(&k3, dt));
-    std::array::from_fn(|i| x[i] + dt / 6.0 * (k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i]))
 }
 
 impl Plane {

@@ -1,9 +1,10 @@
 //! Two planar filters and controllers hold a direction in space. `inertial` section 8: a point mass on
 //! a sphere with slack, body rates through (20) on each axis.
 
-use super::plant::{RATE_LOOP, runge_kutta};
+use super::plant::RATE_LOOP;
 use super::run::{CONTROL_EVERY, FILTER_EVERY, RATE};
 use super::scenario::AngleScenario;
+use crate::integrate::runge_kutta;
 use crate::metrics::Spread;
 use crate::plant::{GRAVITY, V3, generator, normal};
 use nalgebra::{Matrix3, Rotation3};
