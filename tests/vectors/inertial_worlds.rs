@@ -265,8 +265,8 @@ pub fn closed_loops_in_space(file: &Value) {
                 ours.sort_by(f64::total_cmp);
                 let got = ours[ours.len() / 2];
                 println!("{name}: {key}_{axis} {got:.2}, reference {want:.2}");
-                // The mean of a few correlated samples scatters by a good part of their deviation.
-                let slack = if key == "bias" { 1.5 } else { 0.7 };
+                // Bias and tracking are of a few swings and scatter by a good part of their size.
+                let slack = if key == "est" { 0.7 } else { 1.5 };
                 let band = 0.35 * want.abs() + range + slack;
                 assert!((got - want).abs() <= band, "{name}: {key}_{axis} {ours:?}, want {want}");
             }
