@@ -80,6 +80,8 @@ pub struct AngleScenario {
     pub start: Vec<f64>,
     /// Error of the prior that picks the filter's first side, deg.
     pub prior_error: f64,
+    /// In space: how well the first angles are known, deg; zero: not, the filters start from a reading.
+    pub start_known: f64,
     /// White noise on the specific force before its filter, m/s².
     pub accel_noise: f64,
     /// Of that filter, s.
@@ -127,6 +129,7 @@ impl Default for AngleScenario {
             duration: 20.0,
             start: vec![30.0],
             prior_error: 0.0,
+            start_known: 0.0,
             accel_noise: 2.0,
             accel_tau: 0.06,
             gyro_noise: 0.02,

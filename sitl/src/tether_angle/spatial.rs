@@ -8,7 +8,10 @@ use crate::integrate::runge_kutta;
 use crate::metrics::Spread;
 use crate::plant::{GRAVITY, V3, generator, normal};
 use nalgebra::{Matrix3, Rotation3};
-use tautline_firmware::estimate::tether_angle::{TetherAngles, TetherAnglesState};
+use tautline_firmware::estimate::tether_angle::{
+    TetherAngleState, TetherAngles, TetherAnglesState,
+};
+use tautline_firmware::model::TetherAngle;
 
 /// Figures count from here on, s.
 const SETTLED: f64 = 5.0;
@@ -142,6 +145,13 @@ pub fn fly_spatial(s: &AngleScenario, seed: u64) -> Result<SpatialTrace, String>
     let tilt = body.attitude * V3::z();
     let prior = [tilt.x.atan2(tilt.z), tilt.y.atan2(tilt.z)];
     let mut state = TetherAnglesState::with_prior(prior);
+    if s.start_known > 0.0 {
+        let sd = s.start_known.to_radians();
+        for ((plane, angle), tilt) in state.planes.iter_mut().zip(start).zip(prior) {
+            let x = TetherAngle { angle, rate: 0.0, tilt };
+            *plane = TetherAngleState::known(x, [sd, 0.1, sd / 2.0]);
+        }
+    }
     let mut rng = generator(seed, 31);
     let mut filtered = body.force;
     let gain = 1.0 - (-1.0 / (RATE * s.accel_tau)).exp();
@@ -164,7 +174,7 @@ pub fn fly_spatial(s: &AngleScenario, seed: u64) -> Result<SpatialTrace, String>
         if tick.is_multiple_of(FILTER_EVERY) {
             let gyro = gyro_sum / gyro_count + V3::repeat(s.gyro_bias) + noise(s.gyro_noise);
             (gyro_sum, gyro_count) = (V3::zeros(), 0.0);
-            angles.step(&mut state, &filtered, &gyro, heading);
+            angles.step(&mut state, Some(&filtered), &gyro, heading);
             let estimate = state.angles();
             rows.push(SpatialRow { time, truth, estimate });
             if time >= SETTLED {

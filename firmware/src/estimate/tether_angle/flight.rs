@@ -38,6 +38,8 @@ pub struct TetherAngleEstimatorState<S: Scalar> {
     thrust: S,
     gyro: V3<S>,
     ticks: u8,
+    /// A reading of this period was not finite.
+    is_spoilt: bool,
 }
 
 /// What is known.
@@ -117,10 +119,12 @@ impl<S: Scalar> TetherAngleEstimator<S> {
             thrust,
             gyro: V3::zeros(),
             ticks: 0,
+            is_spoilt: false,
         }
     }
 
     /// One outer step. `imu` averaged over it, bias removed; `thrust` acting, N; `attitude` for its heading.
+    /// A reading that is not finite is reckoned through.
     pub fn step(
         &self,
         state: &mut TetherAngleEstimatorState<S>,
@@ -128,16 +132,24 @@ impl<S: Scalar> TetherAngleEstimator<S> {
         thrust: S,
         attitude: &Attitude<S>,
     ) {
-        state.force += (flip(&imu.accel.0) - state.force) * self.share;
-        state.thrust += (thrust - state.thrust) * self.share;
-        state.gyro += flip(&imu.gyro.0);
+        let is_finite = |v: &V3<S>| v.iter().all(|x| x.is_finite());
+        if is_finite(&imu.accel.0) && is_finite(&imu.gyro.0) && thrust.is_finite() {
+            state.force += (flip(&imu.accel.0) - state.force) * self.share;
+            state.thrust += (thrust - state.thrust) * self.share;
+            state.gyro += flip(&imu.gyro.0);
+        } else {
+            state.is_spoilt = true;
+        }
         state.ticks += 1;
         if state.ticks < DECIMATION {
             return;
         }
         let mean = S::lit(1.0 / f64::from(DECIMATION));
         let rate = state.gyro * mean;
-        self.now(state).step(&mut state.filters, &state.force, &rate, heading(attitude));
+        let force = state.force;
+        let force = (!state.is_spoilt).then_some(&force);
+        self.now(state).step(&mut state.filters, force, &rate, heading(attitude));
+        state.is_spoilt = false;
         state.gyro = V3::zeros();
         state.ticks = 0;
     }

@@ -164,22 +164,26 @@ impl<S: Scalar> TetherAngles<S> {
         [model(z.x, e.x), model(z.y, e.y)]
     }
 
-    /// Takes one sample of specific force, m/s², and mean rate, rad/s, in body axes, at this heading.
+    /// Takes one sample of specific force, m/s², if there is one, and mean rate, rad/s, in body axes, at this
+    /// heading.
     pub fn step(
         &self,
         state: &mut TetherAnglesState<S>,
-        body_force: &V3<S>,
+        body_force: Option<&V3<S>>,
         body_rate: &V3<S>,
         heading: S,
     ) {
         let frame = state.frame(heading);
         let models = self.planar_models(state, &frame);
-        let forces = frame.planar_forces(body_force, state.tilts());
-        let rates = frame.tilt_rates(body_rate);
-        for (((plane, model), [x, z]), rate) in
-            state.planes.iter_mut().zip(&models).zip(forces).zip(rates)
-        {
-            self.ukf.step(model, plane, &TiltImu { x, z, rate });
+        let forces = body_force.map(|force| frame.planar_forces(force, state.tilts()));
+        let [x, y] = frame.tilt_rates(body_rate);
+        let [force_x, force_y] = forces.map_or([None; 2], |forces| forces.map(Some));
+        let inputs = [(force_x, x), (force_y, y)];
+        for ((plane, model), (force, rate)) in state.planes.iter_mut().zip(&models).zip(inputs) {
+            match force {
+                Some([x, z]) => self.ukf.step(model, plane, &TiltImu { x, z, rate }),
+                None => self.ukf.reckon(model, plane, rate),
+            }
         }
     }
 }

@@ -252,24 +252,46 @@ impl<S: Scalar> TetherAngleUkf<S> {
         imu: &TiltImu<S>,
     ) {
         let rate = if imu.rate.is_finite() { imu.rate } else { S::zero() };
-        let force = [imu.x, imu.z];
+        let is_finite = imu.x.is_finite() && imu.z.is_finite();
+        self.advance(model, filter, is_finite.then_some([imu.x, imu.z]), rate);
+    }
+
+    /// One period without a specific force.
+    pub fn reckon(
+        &self,
+        model: &TetherAngleModel<S>,
+        filter: &mut TetherAngleState<S>,
+        tilt_rate: S,
+    ) {
+        self.advance(model, filter, None, tilt_rate);
+    }
+
+    fn advance(
+        &self,
+        model: &TetherAngleModel<S>,
+        filter: &mut TetherAngleState<S>,
+        force: Option<[S; 2]>,
+        rate: S,
+    ) {
         if !filter.is_running {
             filter.prior += rate * self.dt;
-            let found = locate(model, force, S::zero(), filter.prior, self.tension_floor);
-            filter.mode = match found {
-                Ok(Located { angle, tilt, .. }) => {
+            let prior = filter.prior;
+            let find = |force| locate(model, force, S::zero(), prior, self.tension_floor).ok();
+            filter.mode = match force.and_then(find) {
+                Some(Located { angle, tilt, .. }) => {
                     *filter = TetherAngleState::at(TetherAngle { angle, rate: S::zero(), tilt });
                     TetherAngleMode::Started
                 }
-                Err(_) => TetherAngleMode::Uninitialised,
+                None => TetherAngleMode::Uninitialised,
             };
             return;
         }
         let mut next = self.predict(model, &filter.belief, rate);
-        let along = imu.z - model.thrust;
-        let pull = (imu.x * imu.x + along * along).sqrt();
-        let pulls = imu.x.is_finite() && imu.z.is_finite() && pull > self.tension_floor;
-        if pulls {
+        let pull = |[x, z]: &[S; 2]| {
+            let along = *z - model.thrust;
+            (*x * *x + along * along).sqrt()
+        };
+        if let Some(force) = force.filter(|force| pull(force) > self.tension_floor) {
             next = self.correct(model, &next, force).belief;
             filter.slack = S::zero();
             filter.mode = TetherAngleMode::Updated;
