@@ -41,6 +41,33 @@ fn poles_and_planar_loop_of_the_tether_angle_are_as_published_and_specified() {
 }
 
 #[test]
+fn bad_tether_angle_and_localization_settings_are_refused_by_their_name() {
+    let refused = |key: &str, path: &str, value: &str| {
+        let ask = Ask { sets: vec![(path.into(), value.into())], seed: 1 };
+        let error = (find(key).unwrap().run)(&ask).err().unwrap();
+        let named = path.split('.').next().unwrap();
+        assert!(error.contains(named) && !error.contains('\n'), "{path} = {value}: {error}");
+    };
+    for (path, value) in [
+        ("length", "0.0"),
+        ("thrust", "-1.0"),
+        ("tether_time", "0.0"),
+        ("accel_noise", "nan"),
+        ("reference", "[]"),
+        ("start", "[120.0]"),
+        ("anchor.period", "-1.0"),
+        ("weight", "3"),
+        ("seeds", "0"),
+        ("seeds", "many"),
+    ] {
+        refused("tether-loop", path, value);
+    }
+    for (path, value) in [("tension", "0.0"), ("speed", "nan"), ("duration", "1.0"), ("fc", "2")] {
+        refused("localization-tension", path, value);
+    }
+}
+
+#[test]
 fn a_setting_changes_the_figures_and_may_fail_them() {
     // With a tenth of the observer's speed nothing converges in time.
     let slow = report("planar-initial-errors", &[("observer.epsilon", "1.0")]);

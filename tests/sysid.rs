@@ -50,6 +50,7 @@ fn read(text: &str) -> Result<Record, String> {
 fn a_messy_table_is_refused_by_line_and_column() {
     let good = table(20.0, |_, line| line);
     assert!(read(&good).is_ok());
+    assert!(read(&format!("\u{feff}{good}")).is_ok(), "a byte-order mark is no column");
     let spoilt = |at: usize, with: &str| {
         let with = with.to_owned();
         read(&table(20.0, move |n, line| if n == at { with.clone() } else { line })).unwrap_err()

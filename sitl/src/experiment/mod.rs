@@ -39,6 +39,7 @@ pub struct Experiment {
 
 /// The setting that every experiment with random flights has.
 const SEEDS: &str = "seeds";
+const SEEDS_MOST: u64 = 100_000;
 
 /// What the user asks of an experiment.
 #[derive(Clone, Debug, Default)]
@@ -74,7 +75,8 @@ impl Ask {
     pub fn seeds(&self, usual: u64) -> Result<Vec<u64>, String> {
         let asked = self.sets.iter().rev().find(|(path, _)| path == SEEDS);
         let count = asked.map_or(Ok(usual), |(_, value)| {
-            value.parse().map_err(|_| format!("{SEEDS} = {value}: not a count"))
+            let count = value.parse().ok().filter(|count| (1..=SEEDS_MOST).contains(count));
+            count.ok_or_else(|| format!("{SEEDS} = {value}: not a count from 1 to {SEEDS_MOST}"))
         })?;
         Ok((self.seed..self.seed + count).collect())
     }

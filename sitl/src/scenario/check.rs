@@ -74,6 +74,14 @@ impl Scenario {
             within(&format!("fault[{i}].value"), fault.value, -10.0, 10.0)?;
         }
         for (i, step) in self.mission.iter().enumerate() {
+            if let Step::WalkAnchor { way: [north, east], ramp, .. } = step {
+                within(&format!("mission[{i}].way[0]"), *north, -1e3, 1e3)?;
+                within(&format!("mission[{i}].way[1]"), *east, -1e3, 1e3)?;
+                within(&format!("mission[{i}].ramp"), *ramp, 0.0, 100.0)?;
+            }
+            if let Step::Excite { altitude, .. } = step {
+                within(&format!("mission[{i}].altitude"), *altitude, 1.0, 100.0)?;
+            }
             let (key, value, min, max) = match step {
                 Step::Takeoff { altitude } => ("altitude", *altitude, 0.5, 200.0),
                 Step::Hold { seconds } => ("seconds", *seconds, 0.0, 1e6),

@@ -31,7 +31,9 @@ struct Columns {
 }
 
 fn columns(headers: &csv::StringRecord) -> Result<Columns, String> {
-    let names: Vec<&str> = headers.iter().map(str::trim).collect();
+    // A spreadsheet's export may begin with a byte-order mark.
+    let names: Vec<&str> =
+        headers.iter().map(|name| name.trim_start_matches('\u{feff}').trim()).collect();
     let at = |name: &str| names.iter().position(|n| *n == name);
     let pwm: Vec<usize> =
         (0..names.len()).filter(|i| names.get(*i).is_some_and(|n| n.starts_with("pwm_"))).collect();

@@ -206,6 +206,16 @@ impl AngleScenario {
             ("gyro_bias", self.gyro_bias, -1.0, 1.0),
             ("sigma", self.sigma, 0.0, 10.0),
             ("attachment", self.attachment, -1.0, 1.0),
+            ("mass_over_inertia", self.mass_over_inertia, 0.0, 1e6),
+            ("prior_error", self.prior_error, -180.0, 180.0),
+            ("start_known", self.start_known, 0.0, 90.0),
+            ("tension_min", self.tension_min, 0.0, 100.0),
+            ("tether_damping", self.tether_damping, 0.0, 100.0),
+            ("drop.share", self.drop.share, 0.0, 10.0),
+            ("anchor.amplitude", self.anchor.amplitude, -100.0, 100.0),
+            ("anchor.period", self.anchor.period, 0.0, 1e4),
+            ("anchor_y.amplitude", self.anchor_y.amplitude, -100.0, 100.0),
+            ("anchor_y.period", self.anchor_y.period, 0.0, 1e4),
         ];
         for (key, value, min, max) in ranges {
             crate::scenario::within(key, value, min, max)?;
