@@ -87,11 +87,9 @@ fn planar_groups<S: Scalar + Into<f64>>(bound: impl Fn(&[f64; 2]) -> f64) {
 
 #[test]
 fn planar_every_section_is_known() {
-    let Some(file) = file("planar.json") else { return };
-    for key in file.as_object().unwrap().keys() {
-        let known = ["meta", "groups", "observer_streams", "closed_loop"];
-        assert!(known.contains(&key.as_str()), "unknown group {key} in planar.json");
-    }
+    every_group_is_known("planar.json", |key| {
+        ["meta", "groups", "observer_streams", "closed_loop"].contains(&key)
+    });
 }
 
 #[test]
@@ -129,20 +127,21 @@ fn planar_closed_loops_f64() {
     }
 }
 
-#[test]
-fn inertial_every_group_is_known() {
-    let Some(file) = file("inertial.json") else { return };
+fn every_group_is_known(name: &str, is_known: fn(&str) -> bool) {
+    let Some(file) = file(name) else { return };
     for group in file.as_object().unwrap().keys() {
-        assert!(inertial_worlds::is_known(group), "unknown group {group} in inertial.json");
+        assert!(is_known(group), "unknown group {group} in {name}");
     }
 }
 
 #[test]
+fn inertial_every_group_is_known() {
+    every_group_is_known("inertial.json", inertial_worlds::is_known);
+}
+
+#[test]
 fn localization_every_group_is_known() {
-    let Some(file) = file("localization.json") else { return };
-    for group in file.as_object().unwrap().keys() {
-        assert!(localization_worlds::is_known(group), "unknown group {group} in localization.json");
-    }
+    every_group_is_known("localization.json", localization_worlds::is_known);
 }
 
 /// Calls a check if the file is there.

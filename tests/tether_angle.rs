@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, clippy::indexing_slicing, reason = "tests")]
 
+use std::f64::consts::FRAC_PI_6;
 use tautline_firmware::control::TetherAngleLoop;
 use tautline_firmware::estimate::tether_angle::{
     NotLocated, TENSION_FLOOR, TetherAngleEstimator, TetherAngleMode, TetherAngleState,
@@ -111,7 +112,7 @@ fn the_vehicles_estimator_reckons_through_readings_that_are_no_numbers() {
     let thrust = 16.0 * 1.2;
     // At rest the specific force is minus gravity, and the thrust leans with the tether.
     let model = TetherAngleModel::try_new(16.0, 5.0).unwrap();
-    let tilt = model.equilibrium_tilt(0.5236).unwrap();
+    let tilt = model.equilibrium_tilt(FRAC_PI_6).unwrap();
     let attitude = Attitude::from_euler(0.0, -tilt, 0.0);
     let accel = attitude.to_body(World(V3::new(0.0, 0.0, -9.81)));
     let good = Imu { gyro: Body(V3::zeros()), accel };
@@ -121,7 +122,7 @@ fn the_vehicles_estimator_reckons_through_readings_that_are_no_numbers() {
         estimator.step(&mut state, &good, thrust, &attitude);
     }
     // The filter's second-order mean shifts it by 0.003 while it is still uncertain.
-    assert!((angle(&state) - 0.5236).abs() < 5e-3, "{}", angle(&state));
+    assert!((angle(&state) - FRAC_PI_6).abs() < 5e-3, "{}", angle(&state));
     for bad in [f64::NAN, f64::INFINITY] {
         let spoilt = Imu { accel: Body(V3::new(0.0, bad, -9.0)), ..good };
         for _ in 0..60 {
@@ -134,7 +135,7 @@ fn the_vehicles_estimator_reckons_through_readings_that_are_no_numbers() {
         for _ in 0..250 {
             estimator.step(&mut state, &good, thrust, &attitude);
         }
-        assert!((angle(&state) - 0.5236).abs() < 0.01, "{}", angle(&state));
+        assert!((angle(&state) - FRAC_PI_6).abs() < 0.01, "{}", angle(&state));
     }
 }
 
