@@ -146,7 +146,7 @@ fn print(
         say!("  {name:<12} {value:.4}");
     }
     if map.factor_is_known {
-        say!("  curve known to ±{:.2}; residual {:.3} N rms", map.factor_sd, map.residual);
+        say!("  curve known to ±{:.3}; residual {:.3} N rms", map.factor_sd, map.residual);
     } else {
         say!(
             "  the record does not tell the curve (±{:.2}): THR_MDL_FAC is left as it was; residual {:.3} N rms",

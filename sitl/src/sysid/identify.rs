@@ -11,6 +11,9 @@ pub const AHEAD: usize = 5;
 /// Samples at the start that are not scored.
 pub const SKIPPED: usize = 100;
 
+/// A root beyond this remembers a false start for over 20 s: as good as unstable.
+const FORGETS: f64 = 0.9995;
+
 /// A model of any structure.
 #[derive(Clone, Debug)]
 pub enum Model {
@@ -35,7 +38,7 @@ pub struct Identified {
     pub mse: f64,
     /// Five-step error of the validation half, N².
     pub mse_ahead: f64,
-    /// Largest pole of plant and noise model.
+    /// Largest root of what plant, noise model and predictor divide by.
     pub largest_pole: f64,
     /// Whether plant and predictor are stable.
     pub is_stable: bool,
@@ -74,12 +77,13 @@ impl Model {
         }
     }
 
+    /// Plant, noise model and predictor forget their start.
     fn is_stable(&self) -> bool {
         let predictor = match self {
-            Self::Polynomial(p) => p.predicts_stably(),
-            Self::StateSpace(s) => s.predictor_radius() < 1.0,
+            Self::Polynomial(_) => 0.0,
+            Self::StateSpace(s) => s.predictor_radius(),
         };
-        predictor && self.largest_pole() < 1.0
+        predictor.max(self.largest_pole()) < FORGETS
     }
 
     /// Thrust per unit of PWM at rest, N, where it is defined.
