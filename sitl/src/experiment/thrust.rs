@@ -2,7 +2,7 @@
 
 use super::{Ask, Compare, Report};
 use crate::sysid::draw_predictions;
-use crate::sysid::{Identified, identify, parse_csv, prepare};
+use crate::sysid::{Identified, Model, identify, parse_csv, prepare};
 
 /// The synthetic record of the specification, the same that the golden vectors hold.
 const RECORD: &str = include_str!("../../../tests/golden/sysid.csv");
@@ -16,6 +16,28 @@ const TABLE: [(f64, f64, Option<f64>); 6] = [
     (94.9, 2.0, Some(99.6)),
 ];
 
+/// Coefficients of ARX by the reference: A, then B of each input.
+const ARX: [f64; 10] = [
+    -1.8080274384615609,
+    0.8139944369952388,
+    0.0024437284397906,
+    -0.0023747197673749027,
+    0.0024692928273462185,
+    -0.002377087656345044,
+    0.0025921578975617934,
+    -0.00251116608494077,
+    0.0025882948904886517,
+    -0.0024984614581453892,
+];
+
+/// Largest relative difference of ours from the reference's.
+fn arx_difference(model: &Model) -> f64 {
+    let Model::Polynomial(p) = model else { return f64::NAN };
+    let lags = p.inputs.iter().flat_map(|[b, _]| b.iter().skip(1));
+    let ours = p.a.iter().skip(1).chain(lags);
+    ours.zip(ARX).map(|(x, y)| (x / y - 1.0).abs()).fold(0.0, f64::max)
+}
+
 /// Fits beside the specification's; returns the structures found.
 pub fn add_fits(report: &mut Report) -> Result<Vec<Result<Identified, String>>, String> {
     let record = parse_csv(RECORD.as_bytes(), "sysid.csv")?;
@@ -27,6 +49,13 @@ pub fn add_fits(report: &mut Report) -> Result<Vec<Result<Identified, String>>, 
             model.fit,
             Compare::Near { value, share: 0.0, slack: slack + 0.05 },
         );
+        if model.name.starts_with("ARX") {
+            report.add(
+                "thrust, ARX 2,2,1: coefficients against the reference, relative, 1",
+                arx_difference(&model.model),
+                Compare::AtMost(1e-6),
+            );
+        }
     }
     Ok(found)
 }
