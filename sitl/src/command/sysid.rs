@@ -63,7 +63,7 @@ pub fn run(options: &Options) -> Result<(), Failure> {
     let data = prepare(&record).map_err(named)?;
     let found = identify(&data);
     let best = recommend(&found);
-    let map = fit_thrust_map(&record, range, &before).map_err(named)?;
+    let map = fit_thrust_map(&record, range, &before);
     if options.json {
         say!("{}", to_json(&found, best, &map, data.filtered.len()));
     } else {
@@ -71,7 +71,13 @@ pub fn run(options: &Options) -> Result<(), Failure> {
     }
     let write =
         |path: &Path, e: &dyn std::fmt::Display| Failure::Run(format!("{}: {e}", path.display()));
-    if let Some(path) = &options.out {
+    // The table stands without the map; whoever asked for the map, or named its range, must hear.
+    let wanted = options.out.is_some() || options.pwm_range.is_some();
+    let map = match map {
+        Err(e) if wanted => return Err(named(e)),
+        map => map.ok(),
+    };
+    if let (Some(path), Some(map)) = (&options.out, &map) {
         // What the vehicle would refuse is not written.
         let mut trial = before;
         for (name, value) in map.parameters() {
@@ -99,7 +105,7 @@ fn print(
     data: &Prepared,
     found: &[Result<Identified, String>],
     best: Option<&Identified>,
-    map: &ThrustFit,
+    map: &Result<ThrustFit, String>,
     range: PwmRange,
 ) {
     say!(
@@ -142,6 +148,13 @@ fn print(
         range.low,
         range.high
     );
+    match map {
+        Ok(map) => print_map(map),
+        Err(e) => say!("  none: {e}"),
+    }
+}
+
+fn print_map(map: &ThrustFit) {
     for (name, value) in map.parameters() {
         say!("  {name:<12} {value:.4}");
     }
@@ -162,7 +175,7 @@ fn print(
 fn to_json(
     found: &[Result<Identified, String>],
     best: Option<&Identified>,
-    map: &ThrustFit,
+    map: &Result<ThrustFit, String>,
     samples: usize,
 ) -> Value {
     let models: Vec<Value> = found
@@ -180,19 +193,26 @@ fn to_json(
             Err(e) => json!({ "error": e }),
         })
         .collect();
-    let parameters: Map<String, Value> =
-        map.parameters().iter().map(|(name, value)| ((*name).to_owned(), json!(value))).collect();
     json!({
         "samples": samples,
         "models": models,
         "recommended": best.map(|m| m.name),
-        "thrust_map": {
-            "parameters": parameters,
-            "curve_known": map.factor_is_known,
-            "curve_sd": map.factor_sd,
-            "residual_n": map.residual,
-            "thrust_error_before": map.error_before,
-            "has_voltage": map.has_voltage,
+        "thrust_map": match map {
+            Ok(map) => map_to_json(map),
+            Err(e) => json!({ "error": e }),
         },
+    })
+}
+
+fn map_to_json(map: &ThrustFit) -> Value {
+    let parameters: Map<String, Value> =
+        map.parameters().iter().map(|(name, value)| ((*name).to_owned(), json!(value))).collect();
+    json!({
+        "parameters": parameters,
+        "curve_known": map.factor_is_known,
+        "curve_sd": map.factor_sd,
+        "residual_n": map.residual,
+        "thrust_error_before": map.error_before,
+        "has_voltage": map.has_voltage,
     })
 }

@@ -1,8 +1,7 @@
 //! Thrust identification: the article's Table 1 on a synthetic record, and on the simulator's own flights.
 
 use super::{Ask, Compare, Report};
-use crate::sysid::draw_predictions;
-use crate::sysid::{Identified, Model, identify, parse_csv, prepare};
+use crate::sysid::{Identified, Model, draw_predictions, identify, parse_csv, prepare};
 
 /// The synthetic record of the specification, the same that the golden vectors hold.
 const RECORD: &str = include_str!("../../../tests/golden/sysid.csv");

@@ -14,6 +14,7 @@ use nalgebra::{SMatrix, SVector};
 
 /// Position, velocity, attitude, tension, thrust scale, accelerometer bias, gyro bias.
 pub const STATES: usize = 17;
+const POSITION: usize = 0;
 const VELOCITY: usize = 3;
 const ATTITUDE: usize = 6;
 const TENSION: usize = 9;
@@ -84,7 +85,7 @@ impl<S: Scalar> ErrorState<S> {
     fn inject(&mut self, dx: &Row<S>) {
         let part = |at: usize| -> V3<S> { dx.fixed_rows::<3>(at).into_owned() };
         let one = |at: usize| dx.get(at).copied().unwrap_or(S::zero());
-        self.position.0 += part(0);
+        self.position.0 += part(POSITION);
         self.velocity.0 += part(VELOCITY);
         self.attitude.0 *= so3::exp(&part(ATTITUDE));
         self.tension += one(TENSION);
@@ -125,7 +126,7 @@ impl<S: Scalar> ErrorStateFilter<S> {
         let z = &z.cable;
         let n = &self.noise;
         if let Some(altitude) = z.altitude.filter(|h| h.is_finite()) {
-            let h = row_at(&[(0, V3::new(S::zero(), S::zero(), -S::one()))]);
+            let h = row_at(&[(POSITION, V3::new(S::zero(), S::zero(), -S::one()))]);
             let nu = altitude + next.position.0.z;
             update(&mut next, &[(h, nu)], n.altitude);
         }
@@ -140,7 +141,7 @@ impl<S: Scalar> ErrorStateFilter<S> {
         if let (Some(length), Some((u, distance))) =
             (z.length.filter(|l| l.is_finite()), direction(&next))
         {
-            update(&mut next, &[(row_at(&[(0, u)]), length - distance)], n.length);
+            update(&mut next, &[(row_at(&[(POSITION, u)]), length - distance)], n.length);
         }
         let mut step = ErrorStateStep { accel: None };
         if let (true, true, Some((u, distance))) =
@@ -174,26 +175,23 @@ impl<S: Scalar> ErrorStateFilter<S> {
         expected.z -= x.thrust_scale * lift;
         let nu = z.accel.0 - expected;
         let by_attitude = so3::skew(&ub) * -pull;
-        let row = |axis: V3<S>, world_axis: V3<S>, unit: V3<S>, nu: S, is_z: bool| {
+        let row = |axis: V3<S>, world_axis: V3<S>, by_thrust: S, nu: S| {
             let across = so3::reject(&world_axis, u) * (-pull / distance);
-            let by_turn = V3::new(
-                so3::dot(&axis, &so3::col_x(&by_attitude)),
-                so3::dot(&axis, &so3::col_y(&by_attitude)),
-                so3::dot(&axis, &so3::col_z(&by_attitude)),
-            );
-            let mut h = row_at(&[(0, across), (ATTITUDE, by_turn), (ACCEL_BIAS, unit)]);
-            if let Some(by_tension) = h.get_mut(TENSION) {
-                *by_tension = -so3::dot(&axis, &ub) / self.mass;
-            }
-            if let Some(by_thrust) = h.get_mut(THRUST) {
-                *by_thrust = if is_z { -lift } else { S::zero() };
+            let by_turn = so3::transpose_mul(&by_attitude, &axis);
+            let mut h = row_at(&[(POSITION, across), (ATTITUDE, by_turn), (ACCEL_BIAS, axis)]);
+            let by_tension = -so3::dot(&axis, &ub) / self.mass;
+            for (at, derivative) in [(TENSION, by_tension), (THRUST, by_thrust)] {
+                if let Some(x) = h.get_mut(at) {
+                    *x = derivative;
+                }
             }
             (h, nu)
         };
+        let o = S::zero();
         [
-            row(V3::x(), so3::col_x(r), V3::x(), nu.x, false),
-            row(V3::y(), so3::col_y(r), V3::y(), nu.y, false),
-            row(V3::z(), so3::col_z(r), V3::z(), nu.z, true),
+            row(V3::x(), so3::col_x(r), o, nu.x),
+            row(V3::y(), so3::col_y(r), o, nu.y),
+            row(V3::z(), so3::col_z(r), -lift, nu.z),
         ]
     }
 
@@ -218,7 +216,7 @@ impl<S: Scalar> ErrorStateFilter<S> {
         let to_position = to_velocity * (dt * S::lit(0.5));
         let turned = so3::exp(&(rate * -dt));
         let mut f = Covariance::identity();
-        f.fixed_view_mut::<3, 3>(0, VELOCITY).copy_from(&M3::from_diagonal(&V3::repeat(dt)));
+        f.fixed_view_mut::<3, 3>(POSITION, VELOCITY).copy_from(&M3::from_diagonal(&V3::repeat(dt)));
         f.fixed_view_mut::<3, 3>(VELOCITY, ATTITUDE).copy_from(&(to_velocity * so3::skew(&force)));
         f.fixed_view_mut::<3, 3>(VELOCITY, ACCEL_BIAS).copy_from(&to_velocity);
         f.fixed_view_mut::<3, 3>(ATTITUDE, ATTITUDE).copy_from(&turned);
@@ -232,7 +230,7 @@ impl<S: Scalar> ErrorStateFilter<S> {
         let before = state.covariance;
         let mut p = f * before * f.transpose();
         let mut g = SMatrix::<S, STATES, 3>::zeros();
-        g.fixed_view_mut::<3, 3>(0, 0).copy_from(&to_position);
+        g.fixed_view_mut::<3, 3>(POSITION, 0).copy_from(&to_position);
         g.fixed_view_mut::<3, 3>(VELOCITY, 0).copy_from(&to_velocity);
         p += g * g.transpose() * (n.accel * n.accel);
         if let Some(rows) = &step.accel {

@@ -4,7 +4,7 @@
 use super::error_state::{ErrorState, ErrorStateMeasurement, STATES};
 use super::static_solution::{cable_pull, solve_static};
 use crate::frames::{Body, V3, World};
-use crate::math::GRAVITY;
+use crate::math::{GRAVITY, so3};
 use crate::scalar::Scalar;
 use heapless::Deque;
 use nalgebra::{SMatrix, SVector};
@@ -18,16 +18,10 @@ const SINE: f64 = 0.2;
 /// 1 degree, rad.
 const DEGREE: f64 = core::f64::consts::PI / 180.0;
 
-/// Pull and altitude of the last samples.
-#[derive(Clone, Debug)]
+/// Pull and altitude of the last samples, where both were finite.
+#[derive(Clone, Debug, Default)]
 pub struct ErrorStateStart<S: Scalar> {
-    samples: Deque<(World<V3<S>>, S), SAMPLES>,
-}
-
-impl<S: Scalar> Default for ErrorStateStart<S> {
-    fn default() -> Self {
-        Self { samples: Deque::new() }
-    }
+    samples: Deque<Option<(V3<S>, S)>, SAMPLES>,
 }
 
 impl<S: Scalar> ErrorStateStart<S> {
@@ -42,12 +36,14 @@ impl<S: Scalar> ErrorStateStart<S> {
         if self.samples.is_full() {
             self.samples.pop_front();
         }
-        let pull = cable_pull(mass, &z.cable);
-        let _ = self.samples.push_back((pull, z.cable.altitude.unwrap_or(S::lit(f64::NAN))));
+        let pull = cable_pull(mass, &z.cable).0;
+        let altitude = z.cable.altitude.filter(|h| h.is_finite());
+        let altitude = altitude.filter(|_| pull.iter().all(|x| x.is_finite()));
+        let _ = self.samples.push_back(altitude.map(|h| (pull, h)));
         let (pull, altitude) = before?;
         let at = solve_static(&World(pull), Some(altitude)).ok()?;
         let position = at.position.0;
-        let length = crate::math::so3::norm(&position);
+        let length = so3::norm(&position);
         let is_clear = altitude >= S::lit(HEIGHT)
             && at.tension > S::lit(TENSION)
             && -position.z > S::lit(SINE) * length;
@@ -85,13 +81,11 @@ impl<S: Scalar> ErrorStateStart<S> {
         })
     }
 
-    /// Over what is finite.
+    /// Over what is there.
     fn mean(&self) -> Option<(V3<S>, S)> {
-        let finite =
-            |s: &&(World<V3<S>>, S)| s.1.is_finite() && s.0.0.iter().all(|x| x.is_finite());
         let (mut pull, mut altitude, mut count) = (V3::zeros(), S::zero(), S::zero());
-        for (s, h) in self.samples.iter().filter(finite) {
-            pull += s.0;
+        for (s, h) in self.samples.iter().flatten() {
+            pull += s;
             altitude += *h;
             count += S::one();
         }
