@@ -62,6 +62,17 @@ fn bad_tether_angle_and_localization_settings_are_refused_by_their_name() {
     ] {
         refused("tether-loop", path, value);
     }
+    // A setting that an experiment does not have is refused, not passed over.
+    for key in [
+        "planar-nominal",
+        "tether-sensitivity",
+        "tether-poles",
+        "localization-tension",
+        "thrust-structures",
+    ] {
+        refused(key, "seeds", "3");
+    }
+    refused("thrust-structures", "tension", "3");
     for (path, value) in [("tension", "0.0"), ("speed", "nan"), ("duration", "1.0"), ("fc", "2")] {
         refused("localization-tension", path, value);
     }

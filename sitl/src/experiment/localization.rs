@@ -49,6 +49,7 @@ fn with_tension(ask: &Ask, tension: f64) -> Result<LocalizationScenario, String>
 
 /// Table 2 and Figs. 8 to 11.
 pub fn table(ask: &Ask) -> Result<Report, String> {
+    ask.no_seeds()?;
     let mut report = Report::default();
     let mut kept = Vec::new();
     for (tension, published) in TABLE {

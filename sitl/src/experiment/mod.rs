@@ -56,7 +56,31 @@ impl Ask {
     /// # Errors
     /// One line naming the setting.
     pub fn planar(&self, base: PlanarScenario) -> Result<PlanarScenario, String> {
+        self.no_seeds()?;
         self.on(base)
+    }
+
+    /// For an experiment without seeds to count.
+    ///
+    /// # Errors
+    /// One line naming the setting.
+    pub fn no_seeds(&self) -> Result<(), String> {
+        self.refuse(|path| path == SEEDS)
+    }
+
+    /// For an experiment without a scenario.
+    ///
+    /// # Errors
+    /// One line naming the first setting.
+    pub fn no_settings(&self) -> Result<(), String> {
+        self.refuse(|_| true)
+    }
+
+    fn refuse(&self, is_refused: impl Fn(&str) -> bool) -> Result<(), String> {
+        match self.sets.iter().find(|(path, _)| is_refused(path)) {
+            Some((path, _)) => Err(format!("{path}: no such setting here")),
+            None => Ok(()),
+        }
     }
 
     /// Any scenario with the user's settings on top; how many seeds is not the scenario's business.

@@ -60,7 +60,8 @@ pub fn add_fits(report: &mut Report) -> Result<Vec<Result<Identified, String>>, 
 }
 
 /// Table 1.
-pub fn table(_: &Ask) -> Result<Report, String> {
+pub fn table(ask: &Ask) -> Result<Report, String> {
+    ask.no_settings()?;
     let mut report = Report::default();
     let found = add_fits(&mut report)?;
     for (result, (_, _, article)) in found.iter().zip(TABLE) {

@@ -49,8 +49,6 @@ pub struct TetherAngleEstimate<S: Scalar> {
     pub planes: [TetherAngleState<S>; 2],
     /// Thrust and length as each plane sees them.
     pub models: [TetherAngleModel<S>; 2],
-    /// From the anchor to the vehicle, unit vector.
-    pub direction: World<V3<S>>,
     /// Of the tether at rest under this thrust, N.
     pub tension: S,
     /// What the accelerometer shows beside the thrust: tether, drag, noise, N.
@@ -176,7 +174,6 @@ impl<S: Scalar> TetherAngleEstimator<S> {
         TetherAngleEstimate {
             planes: state.filters.planes,
             models: angles.planar_models(&state.filters, &frame),
-            direction: World(flip(&direction)),
             tension: (along - weight * direction.z) * self.mass,
             pull: {
                 let lift = V3::new(S::zero(), S::zero(), angles.model.thrust);

@@ -17,6 +17,7 @@ const POLES: [(f64, f64, [Pole; 3]); 4] = [
 
 /// Fig. 8.
 pub fn poles(ask: &Ask) -> Result<Report, String> {
+    ask.no_seeds()?;
     let mut report = Report::default();
     add_poles(&mut report, ask)?;
     let base = ask.on(AngleScenario::default())?;

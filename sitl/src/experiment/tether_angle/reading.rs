@@ -37,6 +37,7 @@ fn over_angle(base: Setting) -> Vec<Setting> {
 
 /// Figs. 3 to 5 and the specification's Monte-Carlo table.
 pub fn sensitivities(ask: &Ask) -> Result<Report, String> {
+    ask.no_settings()?;
     let mut report = Report::default();
     monte_carlo(&mut report, ask.seed)?;
     let seed = ask.seed;
