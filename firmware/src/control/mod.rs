@@ -6,6 +6,7 @@
 
 mod attitude;
 mod mixer;
+pub mod pendulum;
 mod position;
 mod rate;
 pub mod taut;

@@ -18,6 +18,7 @@ mod ekf4;
 pub mod high_gain;
 pub mod localization;
 mod mahony;
+pub mod pendulum;
 mod start_up;
 pub mod taut;
 mod tether;

@@ -10,7 +10,7 @@ mod sensors;
 pub use command::{Actuation, MixerReport, ROTORS, WinchCommand, Wrench};
 pub use estimate::{Estimate, FilterHealth, TetherState};
 pub use event::{Event, EventQueue, Severity};
-pub use reference::{FlightReference, PlanarReference, SphericalPoint, TautPurpose};
+pub use reference::{FlightReference, LoadReference, PlanarReference, SphericalPoint, TautPurpose};
 pub use request::{Action, Outcome, Reply, Request, Sticks, Ticket};
 pub use sensors::{
     Battery, Imu, ImuHealth, RawBarometer, RawBattery, RawImu, RawRange, RawTether, Sensors,

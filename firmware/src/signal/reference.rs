@@ -66,3 +66,29 @@ pub struct PlanarReference<S> {
     /// Pitch, rad, or link force, N, to its second derivative.
     pub second: [S; 3],
 }
+
+/// Where the load of a flying inverted pendulum shall be: position from the origin and its first five
+/// time derivatives, world axes, m to m/s⁵.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LoadReference<S: Scalar = f32>(pub [V3<S>; 6]);
+
+impl<S: Scalar> LoadReference<S> {
+    /// At rest.
+    #[must_use]
+    pub fn at_rest(position: World<V3<S>>) -> Self {
+        let o = V3::zeros();
+        Self([position.0, o, o, o, o, o])
+    }
+    /// From the origin, m.
+    #[must_use]
+    pub fn position(&self) -> World<V3<S>> {
+        let [position, ..] = self.0;
+        World(position)
+    }
+    /// m/s.
+    #[must_use]
+    pub fn velocity(&self) -> World<V3<S>> {
+        let [_, velocity, ..] = self.0;
+        World(velocity)
+    }
+}

@@ -2,6 +2,7 @@
 
 mod flatness;
 mod leg;
+pub mod load;
 mod plan;
 mod smooth_step;
 mod taut_plan;

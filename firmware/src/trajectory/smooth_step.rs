@@ -17,6 +17,8 @@ pub enum Smoothness {
     C3,
     /// `126τ⁵ - 420τ⁶ + 540τ⁷ - 315τ⁸ + 70τ⁹`.
     C4,
+    /// `462τ⁶ - 1980τ⁷ + 3465τ⁸ - 3080τ⁹ + 1386τ¹⁰ - 252τ¹¹`.
+    C5,
 }
 
 impl Smoothness {
@@ -27,37 +29,48 @@ impl Smoothness {
             Self::C2 => &[6.0, -15.0, 10.0, 0.0, 0.0, 0.0],
             Self::C3 => &[-20.0, 70.0, -84.0, 35.0, 0.0, 0.0, 0.0, 0.0],
             Self::C4 => &[70.0, -315.0, 540.0, -420.0, 126.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+            Self::C5 => {
+                &[-252.0, 1386.0, -3080.0, 3465.0, -1980.0, 462.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]
+            }
         }
     }
 
-    /// Value and the first four derivatives at `tau`; at rest up to 0 and from 1 on, so that a sample
+    /// Value and the first `N - 1` derivatives at `tau`; at rest up to 0 and from 1 on, so that a sample
     /// that falls on an end sees no jump of a higher derivative.
     #[must_use]
-    pub fn at<S: Scalar>(self, tau: S) -> [S; 5] {
-        let o = S::zero();
-        if tau <= o {
-            return [o; 5];
-        }
+    pub fn at<S: Scalar, const N: usize>(self, tau: S) -> [S; N] {
+        let mut derivatives = [S::zero(); N];
         if tau >= S::one() {
-            return [S::one(), o, o, o, o];
+            if let Some(value) = derivatives.first_mut() {
+                *value = S::one();
+            }
+        }
+        if tau <= S::zero() || tau >= S::one() {
+            return derivatives;
         }
         // Horner's scheme carries the Taylor coefficients along.
-        let (mut v, mut d1, mut d2, mut d3, mut d4) = (o, o, o, o, o);
         for &c in self.coefficients() {
-            d4 = d4 * tau + d3;
-            d3 = d3 * tau + d2;
-            d2 = d2 * tau + d1;
-            d1 = d1 * tau + v;
-            v = v * tau + S::lit(c);
+            let mut carry = S::lit(c);
+            for coefficient in &mut derivatives {
+                let old = *coefficient;
+                *coefficient = old * tau + carry;
+                carry = old;
+            }
         }
-        [v, d1, d2 * S::lit(2.0), d3 * S::lit(6.0), d4 * S::lit(24.0)]
+        let (mut factorial, mut order) = (S::one(), S::zero());
+        for derivative in &mut derivatives {
+            *derivative *= factorial;
+            order += S::one();
+            factorial *= order;
+        }
+        derivatives
     }
 }
 
 /// The C2 step: value and slope at `tau`; clamped to rest outside [0, 1].
 #[must_use]
 pub fn smooth_step<S: Scalar>(tau: S) -> (S, S) {
-    let [value, slope, ..] = Smoothness::C2.at(tau);
+    let [value, slope] = Smoothness::C2.at(tau);
     (value, slope)
 }
 
@@ -91,16 +104,20 @@ impl<S: Scalar> SmoothMove<S> {
         Self { from: at, to: at, duration: S::one(), smoothness }
     }
 
-    /// Value and four time derivatives at a time since the start, s; at rest before and after.
+    /// Value and `N - 1` time derivatives at a time since the start, s; at rest before and after.
     #[must_use]
-    pub fn at(&self, time: S) -> [S; 5] {
-        let way = self.to - self.from;
+    pub fn at<const N: usize>(&self, time: S) -> [S; N] {
         let per = S::one() / self.duration;
-        let [s, d1, d2, d3, d4] = self.smoothness.at(time * per);
-        let p1 = way * per;
-        let p2 = p1 * per;
-        let p3 = p2 * per;
-        [self.from + way * s, p1 * d1, p2 * d2, p3 * d3, p3 * per * d4]
+        let mut derivatives = self.smoothness.at(time * per);
+        let mut factor = self.to - self.from;
+        for derivative in &mut derivatives {
+            *derivative *= factor;
+            factor *= per;
+        }
+        if let Some(value) = derivatives.first_mut() {
+            *value += self.from;
+        }
+        derivatives
     }
 
     /// Where it ends.

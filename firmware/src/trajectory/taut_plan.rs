@@ -78,8 +78,7 @@ impl<S: Scalar> TautPlan<S> {
     }
 
     fn at(&self, time: S) -> PlanarReference<S> {
-        let [y, d1, d2, ..] = self.second.at(time);
-        PlanarReference { elevation: self.elevation.at(time), second: [y, d1, d2] }
+        PlanarReference { elevation: self.elevation.at(time), second: self.second.at(time) }
     }
 
     /// Whether it rests at its end.
@@ -100,7 +99,7 @@ impl<S: Scalar> TautPlan<S> {
     /// A reason for the operator.
     pub fn check(&self, bounds: &TautBounds<S>) -> Result<(), &'static str> {
         let step = self.elevation.duration() / S::lit(f64::from(CHECKS));
-        let [first, ..] = self.second.at(S::zero());
+        let [first] = self.second.at(S::zero());
         if self.purpose == TautPurpose::Force {
             let last = self.second.end();
             let is_crossing = (first > S::zero()) != (last > S::zero());

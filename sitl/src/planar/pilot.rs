@@ -55,8 +55,8 @@ impl Plan {
     }
 
     pub fn at(&self, time: f64) -> PlanarReference<f64> {
-        let [y, d1, d2, ..] = self.second.at(time - self.start);
-        PlanarReference { elevation: self.elevation.at(time - self.start), second: [y, d1, d2] }
+        let time = time - self.start;
+        PlanarReference { elevation: self.elevation.at(time), second: self.second.at(time) }
     }
 }
 

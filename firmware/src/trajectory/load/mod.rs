@@ -1,0 +1,10 @@
+//! Where the load on a rod shall be: references with the five derivatives that the backstepping law
+//! needs. `pendulum` section 5.
+
+mod circle;
+mod line;
+mod soft_start;
+
+pub use circle::TiltedCircle;
+pub use line::LoadMove;
+pub use soft_start::SoftStart;
