@@ -17,8 +17,8 @@ mod vectors;
 
 use tautline_firmware::scalar::Scalar;
 use vectors::{
-    file, fullstate, inertial, inertial_worlds, localization, localization_worlds, planar,
-    planar_loops, planar_observer, sysid,
+    file, fullstate, inertial, inertial_worlds, localization, localization_worlds, pendulum,
+    planar, planar_loops, planar_observer, sysid,
 };
 
 #[test]
@@ -177,4 +177,23 @@ checks! {
     localization_recorded_flight, "localization.json", localization_worlds::recorded;
     localization_tables, "localization.json", localization_worlds::tables;
     localization_sysid, "localization.json", sysid::check;
+}
+
+#[test]
+fn pendulum_every_group_is_known() {
+    every_group_is_known("pendulum.json", pendulum::is_known);
+}
+
+// The specification's tolerances; it bounds a sequence of 400 filter steps in f64 by 1e-8.
+checks! {
+    pendulum_law_f64, "pendulum.json", |file| pendulum::law::<f64>(file, pendulum::DOUBLE);
+    pendulum_law_f32, "pendulum.json", |file| pendulum::law::<f32>(file, pendulum::SINGLE);
+    pendulum_filter_f64, "pendulum.json", |file| pendulum::filter_steps::<f64>(file, pendulum::DOUBLE);
+    pendulum_filter_f32, "pendulum.json", |file| pendulum::filter_steps::<f32>(file, pendulum::SINGLE);
+    pendulum_filter_sequence_f64, "pendulum.json", |file| pendulum::filter_sequence::<f64>(file, 1e-8, 1e-8);
+    pendulum_filter_sequence_f32, "pendulum.json", |file| pendulum::filter_sequence::<f32>(file, 1e-4, 1e-3);
+    pendulum_references_f64, "pendulum.json", |file| pendulum::references::<f64>(file, 1e-9);
+    pendulum_references_f32, "pendulum.json", |file| pendulum::references::<f32>(file, 1e-5);
+    pendulum_vertical_disturbance_f64, "pendulum.json", |file| pendulum::vertical::<f64>(file, 1e-9);
+    pendulum_vertical_disturbance_f32, "pendulum.json", |file| pendulum::vertical::<f32>(file, 1e-5);
 }

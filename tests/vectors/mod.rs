@@ -5,6 +5,7 @@ pub mod inertial;
 pub mod inertial_worlds;
 pub mod localization;
 pub mod localization_worlds;
+pub mod pendulum;
 pub mod planar;
 pub mod planar_loops;
 pub mod planar_observer;

@@ -338,5 +338,5 @@ fn smooth<S: Scalar + Into<f64>>(check: &mut Check, name: &str, i: &Value, o: &V
         3 => Smoothness::C3,
         _ => Smoothness::C4,
     };
-    check.all(name, order.at::<S>(s(i, "tau")), outs(o));
+    check.all(name, order.at::<S, 5>(s(i, "tau")), outs(o));
 }

@@ -48,6 +48,9 @@ impl Smoothness {
         if tau <= S::zero() || tau >= S::one() {
             return derivatives;
         }
+        // From the nearer end, where the large alternating coefficients cost no digits.
+        let is_late = tau > S::lit(0.5);
+        let tau = if is_late { S::one() - tau } else { tau };
         // Horner's scheme carries the Taylor coefficients along.
         for &c in self.coefficients() {
             let mut carry = S::lit(c);
@@ -61,7 +64,13 @@ impl Smoothness {
         for derivative in &mut derivatives {
             *derivative *= factorial;
             order += S::one();
-            factorial *= order;
+            factorial *= if is_late { -order } else { order };
+        }
+        if is_late {
+            derivatives = derivatives.map(|x| -x);
+            if let Some(value) = derivatives.first_mut() {
+                *value += S::one();
+            }
         }
         derivatives
     }
