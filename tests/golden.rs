@@ -18,7 +18,7 @@ mod vectors;
 use tautline_firmware::scalar::Scalar;
 use vectors::{
     file, fullstate, inertial, inertial_worlds, localization, localization_worlds, pendulum,
-    planar, planar_loops, planar_observer, sysid,
+    pendulum_loops, planar, planar_loops, planar_observer, sysid,
 };
 
 #[test]
@@ -196,4 +196,6 @@ checks! {
     pendulum_references_f32, "pendulum.json", |file| pendulum::references::<f32>(file, 1e-5);
     pendulum_vertical_disturbance_f64, "pendulum.json", |file| pendulum::vertical::<f64>(file, 1e-9);
     pendulum_vertical_disturbance_f32, "pendulum.json", |file| pendulum::vertical::<f32>(file, 1e-5);
+    pendulum_plant_steps, "pendulum.json", pendulum_loops::plant_steps;
+    pendulum_closed_loops, "pendulum.json", pendulum_loops::closed_loops;
 }

@@ -19,6 +19,7 @@ pub mod localization;
 pub mod metrics;
 pub mod parallel;
 pub mod params_file;
+pub mod pendulum;
 pub mod pilot;
 pub mod planar;
 pub mod plant;

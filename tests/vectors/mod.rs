@@ -6,6 +6,7 @@ pub mod inertial_worlds;
 pub mod localization;
 pub mod localization_worlds;
 pub mod pendulum;
+pub mod pendulum_loops;
 pub mod planar;
 pub mod planar_loops;
 pub mod planar_observer;
