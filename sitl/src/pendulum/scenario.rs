@@ -197,7 +197,6 @@ impl PendulumScenario {
             gains: GainSet::PrintedExperiment,
             filter: FilterSet::PrintedExperiment,
             rate: 45.0,
-            soft_start: 4.0,
             ..Self::default()
         }
     }
