@@ -85,7 +85,7 @@ fn not_understood(options: &Value) -> Option<String> {
             return Some(format!("{key} = {value}"));
         }
     }
-    (num(options, "kf_mid") != 1.0).then(|| "kf_mid".to_owned())
+    (options["kf_mid"] != 1).then(|| "kf_mid".to_owned())
 }
 
 fn run(c: &Value) -> PendulumRun<f64> {

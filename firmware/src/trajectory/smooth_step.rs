@@ -40,10 +40,8 @@ impl Smoothness {
     #[must_use]
     pub fn at<S: Scalar, const N: usize>(self, tau: S) -> [S; N] {
         let mut derivatives = [S::zero(); N];
-        if tau >= S::one() {
-            if let Some(value) = derivatives.first_mut() {
-                *value = S::one();
-            }
+        if let Some(value) = derivatives.first_mut().filter(|_| tau >= S::one()) {
+            *value = S::one();
         }
         if tau <= S::zero() || tau >= S::one() {
             return derivatives;

@@ -6,6 +6,7 @@ mod conference;
 mod flown;
 mod journal;
 mod localization;
+mod pendulum;
 mod pictures;
 mod report;
 mod robustness;
@@ -112,10 +113,11 @@ const SPECIFICATION: &str = "Tognon & Franchi, both; our specification's tables"
 
 const TETHER_ANGLE: &str = "Lupashin & D'Andrea, IROS 2013";
 const LOCALIZATION: &str = "Al-Radaideh & Sun, Drones 2021";
+const PENDULUM: &str = "Yang, Yu, Reis & Silvestre, flying inverted pendulum";
 const BOTH_SENSING: &str = "both sensing papers; our specifications";
 
 /// All of them.
-pub const EXPERIMENTS: [Experiment; 22] = [
+pub const EXPERIMENTS: [Experiment; 27] = [
     Experiment {
         key: "planar-nominal",
         paper: JOURNAL,
@@ -269,6 +271,41 @@ pub const EXPERIMENTS: [Experiment; 22] = [
         figure: "Figs. 5 and 6, in flight",
         about: "excite, identify from the log, fly on the tether before and after",
         run: thrust_flight::run,
+    },
+    Experiment {
+        key: "pendulum-simulation",
+        paper: PENDULUM,
+        figure: "Figs. 1 to 4",
+        about: "the load along its circle under three disturbances, 120 s (some seconds)",
+        run: pendulum::simulation,
+    },
+    Experiment {
+        key: "pendulum-hardware",
+        paper: PENDULUM,
+        figure: "Fig. 6",
+        about: "the experiment's masses, gains and 45 Hz, with what its vehicle may have been",
+        run: pendulum::hardware,
+    },
+    Experiment {
+        key: "pendulum-baseline",
+        paper: PENDULUM,
+        figure: "section 8.2's comparison",
+        about: "against linear-quadratic control: tracking and recoverable tilt (some seconds)",
+        run: pendulum::baseline,
+    },
+    Experiment {
+        key: "pendulum-sweeps",
+        paper: PENDULUM,
+        figure: "our specification, section 10",
+        about: "sample rate, lag, delay, noise, model errors (a minute)",
+        run: pendulum::sweeps,
+    },
+    Experiment {
+        key: "pendulum-acceptance",
+        paper: PENDULUM,
+        figure: "our specification, section 13",
+        about: "every acceptance row beside its limit (some seconds)",
+        run: pendulum::acceptance,
     },
 ];
 

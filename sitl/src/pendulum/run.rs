@@ -185,10 +185,8 @@ impl<S: Scalar + Into<f64>> PendulumRun<S> {
                 break;
             };
             let estimate = x;
-            if self.uses_filtered_rod {
-                if let Some(state) = &observer {
-                    x.rod = World(state.belief.rod / S::lit(up(&state.belief.rod).norm()));
-                }
+            if let Some(state) = observer.as_ref().filter(|_| self.uses_filtered_rod) {
+                x.rod = World(state.belief.rod / S::lit(up(&state.belief.rod).norm()));
             }
             if self.ignores_disturbance {
                 x.disturbance = World(V3::zeros());
@@ -235,8 +233,8 @@ impl<S: Scalar + Into<f64>> PendulumRun<S> {
                 rate,
             };
             rows.push(row);
-            // The negation catches what is not finite too.
-            if !(row.error().norm() < LOST) {
+            let distance = row.error().norm();
+            if distance.is_nan() || distance > LOST {
                 lost_at = Some(time);
                 break;
             }

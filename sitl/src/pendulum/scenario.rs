@@ -13,6 +13,7 @@ use tautline_firmware::control::pendulum::{
 use tautline_firmware::estimate::pendulum::{
     PendulumFilter, PendulumNoise, PendulumObserver, VerticalDisturbance,
 };
+use tautline_firmware::frames::V3;
 use tautline_firmware::model::PendulumModel;
 use tautline_firmware::scalar::Scalar;
 use tautline_firmware::trajectory::load::TiltedCircle;
@@ -115,6 +116,8 @@ pub struct PendulumScenario {
     pub pull_share: f64,
     /// The controller gets the true state and disturbance.
     pub knows_state: bool,
+    /// The filter starts with the rod hanging down, as printed, instead of from the first measurement.
+    pub starts_turned_over: bool,
     /// Along the reference, m/s; zero: hover where it starts.
     pub speed: f64,
     /// First position of the load, m; `[]`: on the reference.
@@ -156,6 +159,7 @@ impl Default for PendulumScenario {
             soft_start: 0.0,
             pull_share: 0.0,
             knows_state: false,
+            starts_turned_over: false,
             speed: 0.5,
             start: vec![0.0, 0.2, -0.3],
             tilt: 5.0,
@@ -324,6 +328,7 @@ impl PendulumScenario {
         let (sin, cos) = self.tilt.to_radians().sin_cos();
         let (east, north) = self.tilt_azimuth.to_radians().sin_cos();
         let rod = Vector3::new(sin * north, sin * east, -cos);
+        let filter = PendulumFilter { model, noise };
         Ok(PendulumRun {
             plant: PendulumPlant {
                 vehicle_mass: self.vehicle_mass * (1.0 + self.mass_error),
@@ -337,11 +342,11 @@ impl PendulumScenario {
             start: PendulumTruth::at_rest(position, rod),
             disturbance: Disturbance::new(self.disturbance, seed),
             observer: PendulumObserver {
-                filter: PendulumFilter { model, noise },
+                filter,
                 vertical: (bandwidth > 0.0)
                     .then(|| VerticalDisturbance { bandwidth: lit(bandwidth) }),
             },
-            belief: None,
+            belief: self.starts_turned_over.then(|| filter.start(&V3::z())),
             law,
             circle,
             is_hovering: self.speed <= 0.0,

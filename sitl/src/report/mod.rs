@@ -4,6 +4,7 @@ pub mod chart;
 mod draw;
 pub mod grid;
 mod read;
+pub mod space;
 
 pub use draw::draw_flight;
 pub use read::{FlightData, Series};
