@@ -260,7 +260,7 @@ fn the_covariance_stays_positive_and_the_unseen_vertical_variance_bounded() {
     let force = V3::new(0.0, 0.0, -2.84);
     for k in 0..60_000 {
         // Every third sample is lost.
-        let reading = (k % 3 != 0).then_some(&rod);
+        let reading = (k % 3 != 0).then_some((&rod, 0.005));
         filter.step(&mut x, (&rod, &force), reading, 0.005).unwrap();
     }
     let [.., disturbance] = x.covariance.diagonal();
@@ -278,8 +278,9 @@ fn a_reading_that_is_not_finite_leaves_the_observer_untouched() {
         velocity: World(V3::zeros()),
         down: World(V3::z()),
         thrust: 2.84,
+        rod_period: 0.01,
     };
-    let (mut state, _) = observer.start(&good, 0.01).unwrap();
+    let (mut state, _) = observer.start(&good).unwrap();
     let before = state;
     for bad in [
         PendulumReading { thrust: f64::NAN, ..good },

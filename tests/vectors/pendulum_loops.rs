@@ -143,6 +143,7 @@ fn run(c: &Value) -> PendulumRun<f64> {
             rod: num(o, "sig_q"),
             velocity: num(o, "sig_v"),
             position: num(o, "sig_p"),
+            period: num(o, "dt"),
             delay: num(o, "delay_sub") as usize,
             seed,
         },

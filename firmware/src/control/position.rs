@@ -53,6 +53,8 @@ pub enum Link {
     FixedLength,
     /// The winch pulls; the length is controlled.
     Winch,
+    /// Nothing pulls: plain coordinates.
+    Free,
 }
 
 /// The integral, m/s², tangential.
@@ -134,6 +136,9 @@ impl<S: Scalar> PositionLoop<S> {
         z: &PositionInput<S>,
         dt: S,
     ) -> PositionOutput<S> {
+        if z.link == Link::Free {
+            return self.free(state, z, dt);
+        }
         let m = self.mass;
         let g = S::lit(GRAVITY);
         let floor = S::lit(1e-3);
@@ -173,13 +178,29 @@ impl<S: Scalar> PositionLoop<S> {
                 let overspeed = (radial_speed - z.length_rate.max(S::lit(0.2))).max(S::zero());
                 force -= u * (m * self.brake * overspeed);
             }
-            Link::Winch => {
+            Link::Winch | Link::Free => {
                 let accel = self.radial_p * (z.length - length)
                     + self.radial_d * (z.length_rate - radial_speed);
                 force += u * (z.tension + m * accel.limit_abs(self.accel_max));
             }
         }
         PositionOutput { force: World(self.limit(force)), is_guarded }
+    }
+
+    /// The same gains on every axis; the integral carries whatever pushes.
+    fn free(&self, state: &mut PositionState<S>, z: &PositionInput<S>, dt: S) -> PositionOutput<S> {
+        let error = z.direction.0 * z.length - z.position.0;
+        let mut integral = state.integral.0;
+        if !z.hold_integral {
+            integral += error * (self.ki * dt);
+        }
+        integral = so3::limit_norm(integral, self.integral_max);
+        state.integral = World(integral);
+        let damping = (z.reference_velocity.0 - z.velocity.0) * self.kd;
+        let asked = so3::limit_norm(error * self.kp + damping + integral, self.accel_max);
+        let mut force = asked * self.mass;
+        force.z -= self.mass * S::lit(GRAVITY);
+        PositionOutput { force: World(self.limit(force)), is_guarded: false }
     }
 
     /// Vertical share first, then tilt, then total thrust.

@@ -14,6 +14,7 @@
 //! **Yaw** is the integrated gyro. Nothing observes it: it drifts with the residual bias, about
 //! 0.1° per 10 s for 0.01 °/s. Azimuth is measured against the heading at start-up and drifts along.
 
+pub mod capture;
 mod ekf4;
 pub mod high_gain;
 pub mod localization;

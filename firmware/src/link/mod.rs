@@ -8,6 +8,7 @@
 //! Per tick of the host: [`Link::receive`] with whatever arrived, [`Link::next_request`] into the
 //! step's input, [`Link::transmit`] with the step's output.
 
+mod capture;
 mod commands;
 mod frame;
 mod global;
@@ -20,7 +21,7 @@ pub use frame::{Frame, MAX_FRAME, Parser};
 
 use crate::param::Params;
 use crate::scalar::Scalar;
-use crate::signal::{Event, Outcome, Reply, Request, Sticks};
+use crate::signal::{Event, Outcome, RawCapture, Reply, Request, Sticks};
 use crate::time::{Micros, Sample};
 use crate::vehicle::StepOutput;
 use heapless::Deque;
@@ -67,6 +68,8 @@ pub struct Link {
     counters: LinkCounters,
     heartbeat_at: Option<Micros>,
     sticks: Option<Sample<Sticks>>,
+    capture: Option<Sample<RawCapture>>,
+    rod: Option<Sample<[f32; 3]>>,
     requests: Deque<Request, 8>,
     events: Deque<Event, 16>,
     streams: Streams,
@@ -95,6 +98,8 @@ impl Link {
             counters: LinkCounters::default(),
             heartbeat_at: None,
             sticks: None,
+            capture: None,
+            rod: None,
             requests: Deque::new(),
             events: Deque::new(),
             streams: Streams::default(),
@@ -142,6 +147,16 @@ impl Link {
     #[must_use]
     pub fn sticks(&self) -> Option<Sample<Sticks>> {
         self.sticks
+    }
+
+    /// The newest motion-capture pose, once.
+    pub fn take_capture(&mut self) -> Option<Sample<RawCapture>> {
+        self.capture.take()
+    }
+
+    /// The newest direction of a rod on top, once.
+    pub fn take_rod(&mut self) -> Option<Sample<[f32; 3]>> {
+        self.rod.take()
     }
 
     /// What was heard and dropped.

@@ -74,6 +74,10 @@ impl Link {
                 });
             }
             mav::SET_POSITION_TARGET_LOCAL_NED_DATA::ID => self.position_target(frame),
+            mav::ODOMETRY_DATA::ID => self.odometry(now, frame),
+            mav::VISION_POSITION_ESTIMATE_DATA::ID => self.vision_position(now, frame),
+            mav::ATT_POS_MOCAP_DATA::ID => self.pose(now, frame),
+            mav::DEBUG_VECT_DATA::ID => self.named_vector(now, frame),
             mav::PING_DATA::ID => self.decode(frame, |link, m: &mav::PING_DATA| {
                 if m.target_system == 0 {
                     let pong = mav::PING_DATA {

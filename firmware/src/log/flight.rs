@@ -29,6 +29,7 @@ struct Topics {
     estimator: Topic,
     taut: Topic,
     angle: Topic,
+    pendulum: Topic,
 }
 
 /// Writes what each step says. Whoever logs beside it (the simulator's truth) uses [`Self::ulog`].
@@ -64,6 +65,7 @@ impl FlightLog {
         ulog.define::<t::EstimatorEkf4>("estimator_ekf4", sink);
         ulog.define::<t::EstimatorTaut>("estimator_taut", sink);
         ulog.define::<t::EstimatorTetherAngle>("estimator_tether_angle", sink);
+        ulog.define::<t::EstimatorPendulum>("estimator_pendulum", sink);
         define_more(&mut ulog, sink);
         for (index, meta) in META.iter().enumerate() {
             ulog.parameter(meta.name, params.get(index).unwrap_or(meta.default), sink);
@@ -82,6 +84,7 @@ impl FlightLog {
             estimator: ulog.subscribe("estimator_ekf4", sink),
             taut: ulog.subscribe("estimator_taut", sink),
             angle: ulog.subscribe("estimator_tether_angle", sink),
+            pendulum: ulog.subscribe("estimator_pendulum", sink),
         };
         Self { ulog, topics, step: 0, last_state: None }
     }
@@ -107,6 +110,7 @@ impl FlightLog {
             u.write(topics.estimator, &t::EstimatorEkf4::of(out), sink);
             optional(u, topics.taut, t::EstimatorTaut::of(out).as_ref(), sink);
             optional(u, topics.angle, t::EstimatorTetherAngle::of(out).as_ref(), sink);
+            optional(u, topics.pendulum, t::EstimatorPendulum::of(out).as_ref(), sink);
             optional(u, topics.tether, t::TetherState::of(out).as_ref(), sink);
             optional(
                 u,

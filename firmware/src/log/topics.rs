@@ -226,6 +226,25 @@ record! {
     }
 }
 record! {
+    /// `estimator_pendulum`: the rod on top and its load, world axes, while the rod is seen.
+    EstimatorPendulum {
+        /// Unit vector vehicle to load.
+        rod: [f32; 3],
+        /// rad/s.
+        rod_rate: [f32; 3],
+        /// Of the load, m.
+        load_position: [f32; 3],
+        /// Of the load, m/s.
+        load_velocity: [f32; 3],
+        /// On the vehicle, N.
+        disturbance: [f32; 3],
+        /// Where the load shall be, m.
+        load_setpoint: [f32; 3],
+        /// Pendulum flies; without, the set-point means nothing.
+        active: bool,
+    }
+}
+record! {
     /// A position estimator that runs beside the one that flies.
     EstimatorPosition {
         /// North, East, Down from the anchor, m.
@@ -257,6 +276,25 @@ impl SensorCombined {
             gyro_rad: three(&imu.value.gyro.0),
             accelerometer_m_s2: three(&imu.value.accel.0),
             temperature: out.sensors.imu_temperature,
+        })
+    }
+}
+
+impl EstimatorPendulum {
+    /// `None` while no rod is seen.
+    pub fn of<S: Scalar>(out: &StepOutput<S>) -> Option<Self> {
+        let report = out.pendulum.as_ref()?;
+        let x = &report.estimate;
+        let setpoint = report.reference.as_ref().map(|r| three(&r.position().0));
+        Some(Self {
+            timestamp: out.now.0,
+            rod: three(&x.rod.0),
+            rod_rate: three(&x.rod_rate.0),
+            load_position: three(&x.position.0),
+            load_velocity: three(&x.velocity.0),
+            disturbance: three(&x.disturbance.0),
+            load_setpoint: setpoint.unwrap_or_default(),
+            active: setpoint.is_some(),
         })
     }
 }

@@ -1,6 +1,7 @@
 //! Mathematics shared by the stages.
 
 pub mod filter;
+pub mod history;
 pub mod kalman;
 mod poles;
 pub mod so3;

@@ -11,6 +11,8 @@ pub enum LinkKind {
     Strut,
     /// A bar: pulls and pushes.
     Bar,
+    /// None: free flight under motion capture.
+    Free,
 }
 
 impl LinkKind {
@@ -21,6 +23,7 @@ impl LinkKind {
             1 => Self::Winch,
             2 => Self::Strut,
             3 => Self::Bar,
+            4 => Self::Free,
             _ => Self::Cable,
         }
     }
@@ -38,7 +41,14 @@ impl LinkKind {
             Self::Cable | Self::Winch => force >= 0.0,
             Self::Strut => force <= 0.0,
             Self::Bar => true,
+            Self::Free => false,
         }
+    }
+
+    /// Whether there is no link at all.
+    #[must_use]
+    pub fn is_free(self) -> bool {
+        self == Self::Free
     }
 
     /// Whether its length holds whatever the force.

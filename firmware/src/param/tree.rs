@@ -78,8 +78,8 @@ params! {
         cell_empty: "BAT1_V_EMPTY" Real ["V"] = 3.4 in 2.5 ..= 4.0;
     }
     "Tether" {
-        /// Link: 0 = cable of fixed length, 1 = cable on a constant-tension winch, 2 = strut (pushes), 3 = bar (pulls and pushes).
-        tether_kind: "TET_KIND" Int [""] = 1.0 in 0.0 ..= 3.0;
+        /// Link: 0 = cable of fixed length, 1 = cable on a constant-tension winch, 2 = strut (pushes), 3 = bar (pulls and pushes), 4 = none (flies free under motion capture).
+        tether_kind: "TET_KIND" Int [""] = 1.0 in 0.0 ..= 4.0;
         /// Length of a fixed tether; with a winch, length paid out after take-off.
         tether_length: "TET_LENGTH" Real ["m"] = 10.0 in 1.0 ..= 200.0;
         /// Tension set-point in flight.
@@ -219,6 +219,62 @@ params! {
         /// Process noise of the filter; 0.02 and more is unstable in two planes.
         angle_sigma: "TAG_SIGMA" Real ["rad/s^2"] = 0.005 in 0.0001 ..= 0.5;
     }
+    "Motion capture" {
+        /// Age of a sample when it arrives.
+        capture_delay: "CAP_DELAY" Real ["s"] = 0.02 in 0.0 ..= 0.12;
+        /// Bandwidth with which samples hold position and velocity.
+        capture_bandwidth: "CAP_BW" Real ["rad/s"] = 6.0 in 0.5 ..= 20.0;
+        /// Silence after which there is no position.
+        capture_timeout: "CAP_TIMEOUT" Real ["s"] = 0.2 in 0.03 ..= 2.0;
+    }
+    "Pendulum" {
+        /// Mass of the load on the rod.
+        pendulum_load: "PND_LOAD" Real ["kg"] = 0.03 in 0.001 ..= 10.0;
+        /// Length of the rod, joint to load.
+        pendulum_length: "PND_LENGTH" Real ["m"] = 0.7 in 0.1 ..= 5.0;
+        /// Kp of the load's position.
+        pendulum_kp: "PND_KP" Real ["1/s^2"] = 10.0 in 0.5 ..= 50.0;
+        /// Kv of the load's velocity.
+        pendulum_kv: "PND_KV" Real ["1/s"] = 3.0 in 0.2 ..= 20.0;
+        /// Coupling of position and velocity; must stay below sqrt(Kp) and 4 Kp Kv/(4 Kp + Kv^2).
+        pendulum_beta: "PND_BETA" Real ["1/s"] = 0.2 in 0.0 ..= 5.0;
+        /// kq of the rod's direction.
+        pendulum_kq: "PND_KQ" Real [""] = 12.0 in 0.1 ..= 200.0;
+        /// k-omega of the rod's rate.
+        pendulum_kw: "PND_KW" Real [""] = 2.7 in 0.1 ..= 100.0;
+        /// kr of the vehicle's attitude.
+        pendulum_kr: "PND_KR" Real [""] = 350.0 in 1.0 ..= 5000.0;
+        /// hq, weight of the rod's direction.
+        pendulum_hq: "PND_HQ" Real [""] = 12.0 in 0.1 ..= 200.0;
+        /// h-omega, weight of the rod's rate.
+        pendulum_hw: "PND_HW" Real [""] = 0.6 in 0.05 ..= 50.0;
+        /// hr, weight of the attitude.
+        pendulum_hr: "PND_HR" Real [""] = 45.0 in 1.0 ..= 1000.0;
+        /// Noise intensity of the measured direction: variance times sample period.
+        pendulum_noise: "PND_R" Real ["s"] = 0.000001 in 0.00000001 ..= 0.001;
+        /// Bandwidth of the vertical disturbance observer.
+        pendulum_vertical: "PND_VERT_BW" Real ["rad/s"] = 3.0 in 0.2 ..= 10.0;
+        /// Largest thrust, in weights of vehicle and load.
+        pendulum_thrust_max: "PND_THR_MAX" Real [""] = 2.0 in 1.1 ..= 5.0;
+        /// Largest roll and pitch rate.
+        pendulum_rate_max: "PND_RATE_MAX" Real ["rad/s"] = 10.0 in 1.0 ..= 30.0;
+        /// Largest tilt of the rod at which the mode is entered.
+        pendulum_cone: "PND_CONE" Real ["rad"] = 0.26 in 0.02 ..= 0.7;
+        /// Tilt of the rod that ends the mode.
+        pendulum_tilt_max: "PND_TILT_MAX" Real ["rad"] = 1.31 in 0.3 ..= 1.5;
+        /// Distance of the load from its reference that ends the mode, after the soft start.
+        pendulum_error_max: "PND_ERR_MAX" Real ["m"] = 1.0 in 0.1 ..= 10.0;
+        /// Silence of the rod's direction that ends the mode.
+        pendulum_timeout: "PND_TIMEOUT" Real ["s"] = 0.15 in 0.02 ..= 1.0;
+        /// Speed along a tilted circle around the place of entry; 0 = stay there. Counts at entry.
+        pendulum_speed: "PND_SPEED" Real ["m/s"] = 0.0 in 0.0 ..= 3.0;
+        /// Radius of that circle.
+        pendulum_radius: "PND_RADIUS" Real ["m"] = 0.8 in 0.1 ..= 10.0;
+        /// How far that circle rises and falls.
+        pendulum_rise: "PND_RISE" Real ["m"] = 0.5 in 0.0 ..= 5.0;
+        /// Duration of the soft start.
+        pendulum_soft_start: "PND_SOFT" Real ["s"] = 4.0 in 0.5 ..= 20.0;
+    }
     "Take-off and landing" {
         /// Altitude reached when the ground station names none.
         takeoff_altitude: "MIS_TAKEOFF_ALT" Real ["m"] = 5.0 in 1.0 ..= 100.0;
@@ -246,6 +302,8 @@ params! {
         slack_time: "FS_SLACK_T" Real ["s"] = 3.0 in 0.2 ..= 60.0;
         /// Tension below which the tether counts as slack.
         slack_tension: "FS_SLACK_TEN" Real ["N"] = 0.4 in 0.0 ..= 10.0;
+        /// Time in a level hover without motion capture before the descent.
+        capture_loss_time: "FS_CAP_T" Real ["s"] = 3.0 in 0.2 ..= 60.0;
         /// Age at which the inertial sensor counts as stale.
         imu_timeout: "FS_IMU_T" Real ["s"] = 0.1 in 0.02 ..= 1.0;
         /// Age at which the altitude counts as lost.

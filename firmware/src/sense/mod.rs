@@ -10,12 +10,13 @@ mod mount;
 
 pub use mount::Mounting;
 
-use crate::frames::Body;
+use crate::frames::{Body, V3, World};
 use crate::math::filter::{Biquad, Biquad3State};
 use crate::param::Params;
 use crate::scalar::Scalar;
 use crate::signal::{
-    Imu, ImuHealth, RawBarometer, RawBattery, RawImu, RawRange, RawTether, Sensors,
+    Capture, Imu, ImuHealth, RawBarometer, RawBattery, RawCapture, RawImu, RawRange, RawTether,
+    Sensors,
 };
 use crate::time::{Micros, Sample};
 use altimeter::{Altimeter, AltimeterState};
@@ -47,6 +48,10 @@ pub struct RawSensors {
     pub battery: Option<Sample<RawBattery>>,
     /// Ground end of the tether.
     pub tether: Option<Sample<RawTether>>,
+    /// Motion capture of the vehicle.
+    pub capture: Option<Sample<RawCapture>>,
+    /// Motion capture of a rod on top: vehicle → load, NED, any length.
+    pub rod: Option<Sample<[f32; 3]>>,
 }
 
 /// Configuration of the stage.
@@ -78,6 +83,16 @@ pub struct SenseState<S: Scalar> {
 
 /// A tether length older than this counts as lost.
 const TETHER_TIMEOUT_US: u64 = 500_000;
+
+fn finite<S: Scalar>(v: [f32; 3]) -> Option<World<V3<S>>> {
+    v.iter().all(|x| x.is_finite()).then(|| World(V3::from(v.map(S::from_f32))))
+}
+
+fn captured<S: Scalar>(sample: Sample<RawCapture>) -> Option<Sample<Capture<S>>> {
+    let position = finite(sample.value.position)?;
+    let heading = sample.value.heading.filter(|x| x.abs() < 100.0).map(S::from_f32);
+    Some(Sample { at: sample.at, value: Capture { position, heading } })
+}
 
 impl<S: Scalar> Sense<S> {
     /// From the parameters and the driver's scale.
@@ -125,6 +140,11 @@ impl<S: Scalar> Sense<S> {
             imu,
             altitude,
             tether_length,
+            capture: raw.capture.and_then(captured),
+            rod: raw.rod.and_then(|sample| {
+                let value = finite(sample.value)?;
+                Some(Sample { at: sample.at, value })
+            }),
             battery: self.battery.step(&mut state.battery, raw.battery),
             imu_health: self.check.health(&state.check, now),
             altitude_is_fresh: self.altimeter.is_fresh(&state.altimeter, now),

@@ -13,5 +13,6 @@ pub use event::{Event, EventQueue, Severity};
 pub use reference::{FlightReference, LoadReference, PlanarReference, SphericalPoint, TautPurpose};
 pub use request::{Action, Outcome, Reply, Request, Sticks, Ticket};
 pub use sensors::{
-    Battery, Imu, ImuHealth, RawBarometer, RawBattery, RawImu, RawRange, RawTether, Sensors,
+    Battery, Capture, Imu, ImuHealth, RawBarometer, RawBattery, RawCapture, RawImu, RawRange,
+    RawTether, Sensors,
 };

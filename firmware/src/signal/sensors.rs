@@ -1,6 +1,6 @@
 //! What arrived this tick: as read from the registers, and in SI units.
 
-use crate::frames::{Body, V3};
+use crate::frames::{Body, V3, World};
 use crate::scalar::Scalar;
 use crate::time::Sample;
 
@@ -45,6 +45,24 @@ pub struct RawBattery {
 pub struct RawTether {
     /// Winch encoder.
     pub length_mm: i32,
+}
+
+/// Motion capture of the vehicle, as its sender says, in its own frame taken as NED.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct RawCapture {
+    /// North, East, Down, m.
+    pub position: [f32; 3],
+    /// Of the nose, from North, rad; `None` where the sender has none.
+    pub heading: Option<f32>,
+}
+
+/// Motion capture of the vehicle; when it arrived, not when it was taken.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Capture<S: Scalar = f32> {
+    /// m.
+    pub position: World<V3<S>>,
+    /// Of the nose, from North, rad.
+    pub heading: Option<S>,
 }
 
 /// Calibrated and filtered inertial reading.
@@ -96,6 +114,10 @@ pub struct Sensors<S: Scalar = f32> {
     pub altitude: Option<Sample<S>>,
     /// Length paid out, m. `None`: nothing new this tick.
     pub tether_length: Option<Sample<S>>,
+    /// `None`: nothing new this tick.
+    pub capture: Option<Sample<Capture<S>>>,
+    /// Direction of the rod on top, vehicle → load, any length. `None`: nothing new this tick.
+    pub rod: Option<Sample<World<V3<S>>>>,
     /// `None` until the first reading.
     pub battery: Option<Battery<S>>,
     /// State of the inertial sensor.

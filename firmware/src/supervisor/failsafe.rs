@@ -31,6 +31,8 @@ pub enum Failure {
     SticksLost = 9,
     /// Tilted beyond anything a flight asks for.
     Capsized = 10,
+    /// Free flight without motion capture.
+    CaptureLost = 11,
 }
 
 /// Where a failure ends. Ordered by severity.
@@ -74,6 +76,8 @@ pub struct FailsafeFacts {
     pub altitude_is_fresh: bool,
     /// The estimator sees tension.
     pub is_taut: bool,
+    /// Motion capture gives a position, or none is needed.
+    pub has_capture: bool,
     /// The ground end reports, or the length is fixed.
     pub tether_is_known: bool,
     /// Volts per cell.
@@ -90,6 +94,7 @@ pub struct Failsafes {
     link_delay_us: u64,
     link_action: FailsafeAction,
     slack_delay_us: u64,
+    capture_delay_us: u64,
     cell_low: f32,
     cell_critical: f32,
 }
@@ -122,7 +127,7 @@ fn concerns(mode: Mode, need: impl Fn(&Needs) -> bool) -> bool {
 }
 
 /// All failures, ordered as [`Failure`].
-pub const FAILSAFES: [Failsafe; 11] = [
+pub const FAILSAFES: [Failsafe; 12] = [
     Failsafe {
         failure: Failure::ImuLost,
         text: "IMU lost: motors off",
@@ -202,12 +207,19 @@ pub const FAILSAFES: [Failsafe; 11] = [
         delay: |_| CAPSIZED_DELAY_US,
         action: |_| FailsafeAction::Terminate,
     },
+    Failsafe {
+        failure: Failure::CaptureLost,
+        text: "Motion capture lost: descending",
+        is_present: |_, f| !f.has_capture && concerns(f.mode, |needs| needs.position),
+        delay: |c| c.capture_delay_us,
+        action: |_| FailsafeAction::Descend,
+    },
 ];
 
 /// Since when each failure is present, and which have been announced.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FailsafeState {
-    since: [Option<Micros>; 11],
+    since: [Option<Micros>; 12],
     /// Bit n: row n of [`FAILSAFES`] has lasted its delay.
     pub active: u16,
 }
@@ -225,6 +237,7 @@ impl Failsafes {
                 _ => FailsafeAction::Land,
             },
             slack_delay_us: micros(p.slack_time),
+            capture_delay_us: micros(p.capture_loss_time),
             cell_low: p.battery_low,
             cell_critical: p.battery_critical,
         }
@@ -274,6 +287,7 @@ mod tests {
             has_diverged: false,
             altitude_is_fresh: true,
             is_taut: true,
+            has_capture: true,
             tether_is_known: true,
             cell: Some(3.9),
             link_silence_us: Some(0),
@@ -301,6 +315,7 @@ mod tests {
         assert_eq!(settled(FailsafeFacts { is_taut: false, ..h }), Some(Descend));
         assert_eq!(settled(FailsafeFacts { tether_is_known: false, ..h }), Some(Land));
         assert_eq!(settled(FailsafeFacts { cos_tilt: 0.1, ..h }), Some(Terminate));
+        assert_eq!(settled(FailsafeFacts { has_capture: false, ..h }), Some(Descend));
         assert_eq!(settled(FailsafeFacts { cell: Some(3.4), ..h }), Some(Land));
         assert_eq!(settled(FailsafeFacts { cell: Some(3.1), ..h }), Some(Descend));
         assert_eq!(settled(FailsafeFacts { link_silence_us: Some(6_000_000), ..h }), Some(Land));

@@ -22,6 +22,8 @@ pub enum Mode {
     TautAttitude,
     /// Direction of a taut tether, by inertia, under constant thrust.
     TetherAngle,
+    /// Balances a load on a rod, under motion capture, without a tether.
+    Pendulum,
 }
 
 /// What a mode cannot do without.
@@ -59,9 +61,10 @@ const fn px4(main: u32, sub: u32) -> u32 {
 const NOTHING: Needs = Needs { position: false, altitude: false, sticks: false, taut: false };
 const POSITION: Needs = Needs { position: true, altitude: true, taut: true, ..NOTHING };
 const TAUT: Needs = Needs { taut: true, ..NOTHING };
+const CAPTURE: Needs = Needs { position: true, ..NOTHING };
 
-/// All modes. The sub modes of PX4's AUTO: 2 take-off, 3 loiter, 5 return, 6 land, 11 to 14 external 1 to 4.
-pub const MODES: [ModeRule; 9] = [
+/// All modes. The sub modes of PX4's AUTO: 2 take-off, 3 loiter, 5 return, 6 land, 11 to 15 external 1 to 5.
+pub const MODES: [ModeRule; 10] = [
     ModeRule {
         mode: Mode::Stabilize,
         name: "Stabilize",
@@ -125,13 +128,21 @@ pub const MODES: [ModeRule; 9] = [
         aliases: &[],
         needs: TAUT,
     },
+    ModeRule {
+        mode: Mode::Pendulum,
+        name: "Pendulum",
+        custom_mode: px4(4, 15),
+        aliases: &[],
+        needs: CAPTURE,
+    },
 ];
 
 impl Mode {
     /// This mode's row.
     #[must_use]
     pub const fn rule(self) -> &'static ModeRule {
-        let [stabilize, altitude, hold, takeoff, land, descent, force, attitude, angle] = &MODES;
+        let [stabilize, altitude, hold, takeoff, land, descent, force, attitude, angle, pendulum] =
+            &MODES;
         match self {
             Self::Stabilize => stabilize,
             Self::Altitude => altitude,
@@ -142,6 +153,7 @@ impl Mode {
             Self::TautForce => force,
             Self::TautAttitude => attitude,
             Self::TetherAngle => angle,
+            Self::Pendulum => pendulum,
         }
     }
 

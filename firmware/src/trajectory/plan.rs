@@ -73,6 +73,7 @@ impl<S: Scalar> Plan<S> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Planner<S> {
     has_winch: bool,
+    is_free: bool,
     near_distance: S,
     climb_height: S,
     ground_height: S,
@@ -88,6 +89,7 @@ impl<S: Scalar> Planner<S> {
         let f = S::from_f32;
         Self {
             has_winch: LinkKind::from_parameter(p.tether_kind).has_winch(),
+            is_free: LinkKind::from_parameter(p.tether_kind).is_free(),
             near_distance: f(p.start_distance),
             climb_height: f(p.climb_altitude),
             ground_height: f(p.ground_height),
@@ -97,9 +99,13 @@ impl<S: Scalar> Planner<S> {
         }
     }
 
-    /// With a winch straight up near the anchor, then outwards; with a fixed length up along the sphere.
+    /// With a winch straight up near the anchor, then outwards; with a fixed length up along the sphere; free
+    /// straight.
     #[must_use]
     pub fn takeoff(&self, from: World<V3<S>>, to: SphericalPoint<S>) -> Plan<S> {
+        if self.is_free {
+            return self.go(from, to);
+        }
         let start = SphericalPoint::from_world(&from);
         if self.has_winch {
             let top = World(V3::new(from.0.x, from.0.y, -self.climb_height.max(-from.0.z)));
@@ -119,23 +125,36 @@ impl<S: Scalar> Planner<S> {
         Plan::of(lift, [Some(climb), None])
     }
 
-    /// Along the sphere to another point.
+    /// Along the sphere to another point, or straight without a link.
     #[must_use]
     pub fn go(&self, from: World<V3<S>>, to: SphericalPoint<S>) -> Plan<S> {
-        let from = SphericalPoint::from_world(&from);
-        Plan::of(
-            Leg::within_speed(Shape::Sphere { from, to }, self.cruise, S::lit(3.0)),
-            [None, None],
-        )
+        let shape = if self.is_free {
+            Shape::Line { from, to: to.to_world() }
+        } else {
+            Shape::Sphere { from: SphericalPoint::from_world(&from), to }
+        };
+        Plan::of(Leg::within_speed(shape, self.cruise, S::lit(3.0)), [None, None])
     }
 
-    /// With a winch back to near the anchor and down; with a fixed length down along the sphere.
+    /// With a winch back to near the anchor and down; with a fixed length down along the sphere; free
+    /// straight down.
     #[must_use]
     pub fn land(&self, from: World<V3<S>>) -> Plan<S> {
         let place = SphericalPoint::from_world(&from);
         let flare = self.ground_height + S::lit(FLARE_HEIGHT);
         let below = self.ground_height - S::lit(BELOW_GROUND);
         let none = S::lit(0.1);
+        if self.is_free {
+            let at = |height: S| World(V3::new(from.0.x, from.0.y, -height));
+            let way = |from: World<V3<S>>, height: S, speed: S| {
+                Leg::within_speed(Shape::Line { from, to: at(height) }, speed, none)
+            };
+            if -from.0.z <= flare {
+                return Plan::of(way(from, below, self.land), [None, None]);
+            }
+            let slow = way(at(flare), below, self.land);
+            return Plan::of(way(from, flare, self.descend), [Some(slow), None]);
+        }
         if !self.has_winch {
             let at_height = |height: S| SphericalPoint {
                 elevation: elevation_of(height, place.length),

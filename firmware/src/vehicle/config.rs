@@ -1,5 +1,6 @@
 //! Parameters → configuration of every block. Made anew when a parameter changes; no state in it.
 
+use super::pendulum::PendulumMode;
 use super::slack_hover::SlackHoverPlan;
 use super::taut::Taut;
 use super::tether_angle::AngleMode;
@@ -30,6 +31,7 @@ pub(super) struct Config<S: Scalar> {
     pub kind: LinkKind,
     pub taut: Option<Taut<S>>,
     pub angle: Option<AngleMode<S>>,
+    pub pendulum: Option<PendulumMode<S>>,
     pub slack_hover: Option<SlackHoverPlan<S>>,
     pub mass: S,
     pub weight: S,
@@ -64,10 +66,15 @@ impl<S: Scalar> Config<S> {
             thrust_map: ThrustMap::new(p),
             failsafes: Failsafes::new(p),
             touch_down: TouchDown { weight, ground_height: f(p.ground_height) },
-            link: if kind.has_winch() { Link::Winch } else { Link::FixedLength },
+            link: match kind {
+                LinkKind::Winch => Link::Winch,
+                LinkKind::Free => Link::Free,
+                _ => Link::FixedLength,
+            },
             kind,
-            taut: Taut::new(p),
+            taut: Taut::new(p).filter(|_| !kind.is_free()),
             angle: AngleMode::new(p),
+            pendulum: PendulumMode::new(p),
             slack_hover: SlackHoverPlan::new(p, kind == LinkKind::Cable),
             mass: f(p.mass),
             weight,

@@ -43,6 +43,7 @@ impl<S: Scalar> Vehicle<S> {
             Mode::Altitude => self.fly_sticks(now, true),
             Mode::TautForce | Mode::TautAttitude => self.fly_taut(sensors, events),
             Mode::TetherAngle => self.fly_angle(events),
+            Mode::Pendulum => self.fly_pendulum(now, events),
             Mode::Descent => self.descend(),
         }
         self.touch_down(sensors, now);
@@ -50,16 +51,16 @@ impl<S: Scalar> Vehicle<S> {
 
     fn smooth(&mut self) {
         let estimate = &self.state.estimate;
-        let (Some(position), Some(velocity), Some(tether)) =
-            (estimate.position, estimate.velocity, &estimate.tether)
-        else {
+        let (Some(position), Some(velocity)) = (estimate.position, estimate.velocity) else {
             self.state.smoothed = None;
             return;
         };
         let k = S::lit(SMOOTHING);
-        let tension = tether.tension;
+        let tension = estimate.tether.map_or(S::zero(), |tether| tether.tension);
+        // Motion capture is quiet enough as it is.
+        let is_noisy = self.config.link != Link::Free;
         match &mut self.state.smoothed {
-            Some(s) if self.state.estimator.is_airborne() => {
+            Some(s) if is_noisy && self.state.estimator.is_airborne() => {
                 s.position.0 += (position.0 - s.position.0) * k;
                 s.velocity.0 += (velocity.0 - s.velocity.0) * k;
                 s.tension += (tension - s.tension) * k;
@@ -72,6 +73,10 @@ impl<S: Scalar> Vehicle<S> {
     fn slew_tension(&mut self) {
         let is_far_out = self.is_far_out();
         let state = &mut self.state;
+        if self.config.link == Link::Free {
+            state.tension = S::zero();
+            return;
+        }
         let is_slack = state.estimate.tether.is_none_or(|t| !t.is_taut);
         let target = match self.config.link {
             Link::FixedLength
@@ -126,7 +131,7 @@ impl<S: Scalar> Vehicle<S> {
             state.spool += dt;
             let full = self.config.weight * S::from_f32(self.params.spool_thrust) + state.tension;
             let share = state.spool / S::from_f32(self.params.spool_time);
-            let start = S::lit(SPOOL_START);
+            let start = S::lit(SPOOL_START).min(self.config.weight * S::lit(0.5));
             let thrust = start + (full - start) * share.min(S::one());
             let up = World(V3::new(S::zero(), S::zero(), -thrust));
             state.attitude = self.config.attitude.step(&up, &state.estimate.attitude, state.yaw);
@@ -142,14 +147,17 @@ impl<S: Scalar> Vehicle<S> {
         self.fly_position(events);
     }
 
-    fn fly_position(&mut self, events: &mut EventQueue) {
+    pub(super) fn fly_position(&mut self, events: &mut EventQueue) {
         let dt = S::lit(OUTER_DT);
         if self.state.ground == GroundState::OnGround {
             return;
         }
         let Some(smoothed) = self.state.smoothed else {
-            // The failsafe table sends the vehicle to Descent in this same step's supervision.
-            self.descend();
+            // The failsafe table ends it: at once on a tether, after a while without motion capture.
+            match self.config.link {
+                Link::Free => self.hover_level(),
+                Link::Winch | Link::FixedLength => self.descend(),
+            }
             return;
         };
         let state = &mut self.state;
@@ -192,7 +200,7 @@ impl<S: Scalar> Vehicle<S> {
                     input.length_rate = S::lit(0.4);
                 }
             }
-            Link::FixedLength => {}
+            Link::FixedLength | Link::Free => {}
         }
         let asked = self.config.position.step(&mut state.position, &input, dt);
         state.attitude =
@@ -240,22 +248,28 @@ impl<S: Scalar> Vehicle<S> {
         state.yaw = yaw;
     }
 
+    /// Level, at the height of the moment, by altimeter and inertia.
+    fn hover_level(&mut self) {
+        self.fly_level(S::zero());
+    }
+
     /// Level, sinking at the landing speed. Uses neither position nor tether.
     fn descend(&mut self) {
+        let low = self.config.touch_down.ground_height + S::lit(1.0);
+        let near_ground = self.state.estimate.height < low;
+        let sink = if near_ground { self.params.land_speed } else { self.params.descend_speed };
+        self.fly_level(-S::from_f32(sink));
+    }
+
+    /// Level, at a climb rate, m/s.
+    fn fly_level(&mut self, climb: S) {
         let state = &mut self.state;
         state.reference = None;
         if state.ground == GroundState::OnGround {
             return;
         }
-        let near_ground =
-            state.estimate.height < self.config.touch_down.ground_height + S::lit(1.0);
-        let sink = if near_ground { self.params.land_speed } else { self.params.descend_speed };
-        let up = self.config.climb.step(
-            &mut state.climb,
-            -S::from_f32(sink),
-            state.estimate.climb,
-            S::lit(OUTER_DT),
-        );
+        let up =
+            self.config.climb.step(&mut state.climb, climb, state.estimate.climb, S::lit(OUTER_DT));
         let force = World(V3::new(S::zero(), S::zero(), -up));
         let mut command = self.config.attitude.step(&force, &state.estimate.attitude, state.yaw);
         command.thrust = up / state.estimate.attitude.cos_tilt().max(S::lit(0.5));
@@ -279,7 +293,8 @@ impl<S: Scalar> Vehicle<S> {
             | Mode::Takeoff
             | Mode::TautForce
             | Mode::TautAttitude
-            | Mode::TetherAngle => false,
+            | Mode::TetherAngle
+            | Mode::Pendulum => false,
         };
         let input = TouchDownInput {
             wants_down,

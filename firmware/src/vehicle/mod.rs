@@ -14,6 +14,7 @@
 mod config;
 mod flight;
 mod output;
+mod pendulum;
 mod requests;
 mod slack_hover;
 mod supervise;
@@ -21,6 +22,7 @@ mod taut;
 mod tether_angle;
 
 pub use output::{StepInput, StepOutput};
+pub use pendulum::PendulumReport;
 
 use crate::control::taut::TautPilotState;
 use crate::control::{AttitudeCommand, ClimbState, PositionState, RateSetpoint, RateState};
@@ -38,6 +40,7 @@ use crate::supervisor::{FailsafeState, GroundState, Mode, TouchDownState};
 use crate::time::{INNER_DT, Micros, Sample};
 use crate::trajectory::{Plan, TautPlan};
 use config::Config;
+use pendulum::{PendulumFlight, RodWatch};
 use slack_hover::SlackHover;
 use tether_angle::AngleFlight;
 
@@ -91,6 +94,10 @@ struct State<S: Scalar> {
     taut_flight: Option<TautFlight<S>>,
     /// In Tether Angle.
     angle_flight: Option<AngleFlight<S>>,
+    /// While a rod on top is seen.
+    rod: Option<RodWatch<S>>,
+    /// In Pendulum.
+    pendulum_flight: Option<PendulumFlight<S>>,
 
     rate: RateState<S>,
     mixer: MixerReport,
@@ -155,6 +162,8 @@ impl<S: Scalar> Vehicle<S> {
             taut: TautEstimatorState::default(),
             taut_flight: None,
             angle_flight: None,
+            rod: None,
+            pendulum_flight: None,
             rate: RateState::default(),
             mixer: MixerReport::default(),
             wrench: Wrench { thrust: S::zero(), torque: still },
@@ -188,6 +197,10 @@ impl<S: Scalar> Vehicle<S> {
         let sensors =
             self.config.sense.step(&mut self.state.sense, input.now, &input.sensors, cos_tilt);
         let has_ticked = self.observe(&sensors, &mut events);
+        self.see_rod(&sensors);
+        if has_ticked {
+            self.observe_rod(input.now);
+        }
         let reply: Option<Reply> =
             input.request.map(|request| self.handle(&request, &sensors, input.now, &mut events));
         self.supervise(&sensors, input.now, &mut events);

@@ -1,6 +1,6 @@
 //! What goes in and what comes out. Log and telemetry only read [`StepOutput`].
 
-use super::Vehicle;
+use super::{PendulumReport, Vehicle};
 use crate::estimate::taut::TautEstimate;
 use crate::estimate::tether_angle::TetherAngleEstimate;
 use crate::frames::{Body, V3};
@@ -45,6 +45,8 @@ pub struct StepOutput<S: Scalar = f32> {
     pub taut_reference: Option<PlanarReference<S>>,
     /// In Tether Angle.
     pub angle: Option<TetherAngleEstimate<S>>,
+    /// While a rod on top is seen.
+    pub pendulum: Option<PendulumReport<S>>,
     /// Body rates wanted, rad/s.
     pub rate_setpoint: Body<V3<S>>,
     /// Asked of the mixer.
@@ -86,6 +88,10 @@ impl<S: Scalar> Vehicle<S> {
             taut: state.taut.estimate().copied(),
             taut_reference: state.taut_flight.map(|flight| flight.plan.now()),
             angle: state.angle_flight.map(|flight| flight.estimate),
+            pendulum: state.rod.map(|rod| PendulumReport {
+                estimate: rod.estimate,
+                reference: state.pendulum_flight.map(|flight| flight.reference),
+            }),
             rate_setpoint: state.attitude.rate,
             wrench: state.wrench,
             mixer: state.mixer,

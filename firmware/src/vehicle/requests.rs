@@ -2,6 +2,8 @@
 
 use super::Vehicle;
 use super::config::Config;
+use super::pendulum::gain_warning;
+use crate::control::Link;
 use crate::frames::{V3, World};
 use crate::param::{META, Params};
 use crate::scalar::Scalar;
@@ -40,6 +42,7 @@ impl<S: Scalar> Vehicle<S> {
             Action::MoveTo { ned, .. } if self.state.mode.purpose().is_some() => {
                 self.move_taut_to(ned)
             }
+            Action::MoveTo { ned, .. } if self.state.mode == Mode::Pendulum => self.move_load(ned),
             Action::MoveTo { ned, yaw } => self.move_to(ned, yaw),
             Action::MoveTether { elevation, tension, .. }
                 if self.state.mode.purpose().is_some() =>
@@ -57,7 +60,7 @@ impl<S: Scalar> Vehicle<S> {
             }
             Action::SetParam { index, value } => {
                 parameter = Some(index);
-                self.set_param(index, value)
+                self.set_param(index, value, events)
             }
             Action::ResetParams => self.reset_params(),
             Action::Level => self.level(),
@@ -119,7 +122,7 @@ impl<S: Scalar> Vehicle<S> {
         state.takeoff_altitude = None;
         state.slack_hover = None;
         state.reference = None;
-        if state.mode == Mode::Takeoff || state.mode.flies_taut() {
+        if matches!(state.mode, Mode::Takeoff | Mode::Pendulum) || state.mode.flies_taut() {
             state.mode = Mode::TetherHold;
         }
         events.push(event);
@@ -173,6 +176,9 @@ impl<S: Scalar> Vehicle<S> {
         if mode == Mode::TetherAngle {
             return if mode == self.state.mode { Ok(()) } else { self.request_angle() };
         }
+        if mode == Mode::Pendulum {
+            return if mode == self.state.mode { Ok(()) } else { self.request_pendulum(now) };
+        }
         self.enter(mode);
         Ok(())
     }
@@ -191,9 +197,15 @@ impl<S: Scalar> Vehicle<S> {
         Ok(())
     }
 
-    /// Where a take-off to this altitude ends: straight out along the start heading.
+    /// Where a take-off to this altitude ends: straight out along the start heading; free straight up.
     pub(super) fn takeoff_point(&self, altitude: f32) -> Option<SphericalPoint<S>> {
         let p = &self.params;
+        if self.config.link == Link::Free {
+            let here = self.state.estimate.position?.0;
+            let reaches = altitude > p.ground_height && altitude < p.length_max;
+            let above = World(V3::new(here.x, here.y, -S::from_f32(altitude)));
+            return reaches.then(|| SphericalPoint::from_world(&above));
+        }
         let sin = altitude / p.tether_length;
         // The negation refuses NaN too.
         if !(altitude > p.ground_height && sin < 1.0) {
@@ -231,7 +243,7 @@ impl<S: Scalar> Vehicle<S> {
         }
         if ned.iter().any(Option::is_some) {
             let mut to_point = SphericalPoint::from_world(&to);
-            if self.config.link == crate::control::Link::FixedLength {
+            if self.config.link == Link::FixedLength {
                 to_point.length = self.params.tether_length;
             }
             self.start_move(&to_point)?;
@@ -288,13 +300,16 @@ impl<S: Scalar> Vehicle<S> {
         if !(to.elevation.is_finite() && to.length.is_finite() && to.azimuth.abs() < 100.0) {
             return Err(denied("Move refused: not a number"));
         }
-        if !within(to.elevation, p.elevation_min - 0.01, p.elevation_max + 0.01) {
+        let is_free = self.config.link == Link::Free;
+        let (low, high) = (p.elevation_min - 0.01, p.elevation_max + 0.01);
+        if !is_free && !within(to.elevation, low, high) {
             return Err(denied("Move refused: elevation out of range"));
         }
-        if !within(to.length, 1.0, p.length_max) {
+        let nearest = if is_free { 0.1 } else { 1.0 };
+        if !within(to.length, nearest, p.length_max) {
             return Err(denied("Move refused: length out of range"));
         }
-        let is_fixed = self.config.link == crate::control::Link::FixedLength;
+        let is_fixed = self.config.link == Link::FixedLength;
         if is_fixed && (to.length - p.tether_length).abs() > 0.3 {
             return Err(denied("Move refused: the tether has a fixed length"));
         }
@@ -322,13 +337,22 @@ impl<S: Scalar> Vehicle<S> {
         }
     }
 
-    fn set_param(&mut self, index: usize, value: f32) -> Result<(), Refusal> {
+    fn set_param(
+        &mut self,
+        index: usize,
+        value: f32,
+        events: &mut EventQueue,
+    ) -> Result<(), Refusal> {
         let guarded = |group: &str| matches!(group, "Vehicle" | "Motors" | "Sensors" | "Tether");
         if self.is_in_air() && META.get(index).is_some_and(|meta| guarded(meta.group)) {
             return Err(rejected("Parameter refused: not in the air"));
         }
         self.params.set(index, value).map_err(|_| denied("Parameter refused: out of range"))?;
         self.reconfigure();
+        let concerns_pendulum = META.get(index).is_some_and(|meta| meta.group == "Pendulum");
+        if let Some(text) = gain_warning(&self.params).filter(|_| concerns_pendulum) {
+            events.push(Event::warning(text));
+        }
         Ok(())
     }
 

@@ -1,6 +1,7 @@
 //! Failsafes, landing and the automatic mode changes.
 
 use super::Vehicle;
+use crate::control::Link;
 use crate::scalar::Scalar;
 use crate::signal::{Event, EventQueue, Sensors};
 use crate::supervisor::{
@@ -28,6 +29,7 @@ impl<S: Scalar> Vehicle<S> {
             && state
                 .sticks
                 .is_none_or(|s| now.since(s.at) > STICKS_TIMEOUT_US || s.value.throttle > 0.05);
+        let pull = if self.config.link == Link::Free { 0.0 } else { p.tension };
         ArmingFacts {
             imu: sensors.imu_health,
             is_levelled: state.estimate.is_levelled,
@@ -38,8 +40,7 @@ impl<S: Scalar> Vehicle<S> {
             cell_low: p.battery_low,
             link_is_up: self.link_is_up(now),
             throttle_is_open,
-            hover_share: (p.mass * crate::math::GRAVITY as f32 + p.tension)
-                / (4.0 * p.rotor_thrust_max),
+            hover_share: (p.mass * crate::math::GRAVITY as f32 + pull) / (4.0 * p.rotor_thrust_max),
         }
     }
 
@@ -54,14 +55,15 @@ impl<S: Scalar> Vehicle<S> {
             return angle.slack <= S::zero();
         }
         match self.state.taut.estimate().filter(|_| self.state.taut_flight.is_some()) {
-            _ if self.config.kind.is_rigid() || self.takes_off_slack() => true,
+            _ if self.config.kind.is_rigid() || self.config.kind.is_free() => true,
+            _ if self.takes_off_slack() => true,
             Some(taut) => taut.link_force > S::from_f32(self.params.slack_tension),
             None => self.state.estimate.tether.is_none_or(|tether| tether.is_taut),
         }
     }
 
     fn tether_is_known(&self, sensors: &Sensors<S>) -> bool {
-        sensors.tether_is_fresh || self.config.link == crate::control::Link::FixedLength
+        sensors.tether_is_fresh || self.config.link != Link::Winch
     }
 
     pub(super) fn is_armable(&self, sensors: &Sensors<S>, now: Micros) -> bool {
@@ -76,6 +78,7 @@ impl<S: Scalar> Vehicle<S> {
             has_diverged: self.state.estimate.has_diverged,
             altitude_is_fresh: sensors.altitude_is_fresh,
             is_taut: self.link_is_taut(),
+            has_capture: !self.config.kind.is_free() || self.state.estimate.position.is_some(),
             tether_is_known: self.tether_is_known(sensors),
             cell: sensors.battery.map(|battery| battery.cell.to_f32()),
             link_silence_us: self.state.link_at.map(|at| now.since(at)),
@@ -160,7 +163,8 @@ impl<S: Scalar> Vehicle<S> {
             | Mode::Takeoff
             | Mode::TautForce
             | Mode::TautAttitude
-            | Mode::TetherAngle => {}
+            | Mode::TetherAngle
+            | Mode::Pendulum => {}
         }
     }
 

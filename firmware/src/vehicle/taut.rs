@@ -300,6 +300,7 @@ impl<S: Scalar> Vehicle<S> {
     /// What the modes other than the taut-link ones need when these end.
     pub(super) fn end_taut(&mut self) {
         self.state.angle_flight = None;
+        self.state.pendulum_flight = None;
         if self.state.taut_flight.take().is_some() {
             let (.., yaw) = self.state.estimate.attitude.euler();
             self.state.yaw = yaw;

@@ -27,6 +27,8 @@ pub struct Sensing {
     pub velocity: f64,
     /// m.
     pub position: f64,
+    /// Of the samples, s.
+    pub period: f64,
     /// Age, in plant steps.
     pub delay: usize,
     /// Random numbers.
@@ -147,6 +149,7 @@ fn reading<S: Scalar>(
         velocity: World(down(&(truth.vehicle_velocity(length) + shake(s.velocity)))),
         down: World(down(&truth.attitude.column(2).into_owned())),
         thrust,
+        rod_period: S::lit(s.period),
     }
 }
 
@@ -264,8 +267,8 @@ impl<S: Scalar + Into<f64>> PendulumRun<S> {
         match observer {
             None => {
                 let (state, estimate) = match self.belief {
-                    Some(belief) => self.observer.start_from(belief, z, dt),
-                    None => self.observer.start(z, dt),
+                    Some(belief) => self.observer.start_from(belief, z),
+                    None => self.observer.start(z),
                 }?;
                 *observer = Some(state);
                 Some(estimate)

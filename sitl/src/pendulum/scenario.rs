@@ -355,6 +355,7 @@ impl PendulumScenario {
                 rod: self.rod_noise,
                 velocity: self.velocity_noise,
                 position: self.position_noise,
+                period: dt,
                 delay: (self.delay / dt * f64::from(substeps)).round() as usize,
                 seed,
             },

@@ -143,7 +143,7 @@ impl<S: Scalar> PendulumFilter<S> {
         x.covariance.clean();
     }
 
-    /// One period of `dt` s: prediction, and correction where a direction was measured.
+    /// `dt` s ahead, and correction where a direction was measured so many s after the one before.
     ///
     /// # Errors
     /// [`Fault::NotFinite`] for an input or result that is not; the belief is untouched.
@@ -151,15 +151,15 @@ impl<S: Scalar> PendulumFilter<S> {
         &self,
         x: &mut PendulumBelief<S>,
         interval: (&V3<S>, &V3<S>),
-        reading: Option<&V3<S>>,
+        reading: Option<(&V3<S>, S)>,
         dt: S,
     ) -> Result<(), Fault> {
         let (rod, force) = interval;
         all_finite(&[rod.x, rod.y, rod.z, force.x, force.y, force.z, dt])?;
         let mut next = *x;
         self.predict(&mut next, rod, force, dt);
-        if let Some(reading) = reading {
-            self.update(&mut next, reading, dt);
+        if let Some((reading, period)) = reading {
+            self.update(&mut next, reading, period);
         }
         next.covariance.bound(S::lit(VARIANCE_FLOOR), S::lit(VERTICAL_CAP));
         if !next.is_finite() {

@@ -13,8 +13,10 @@ const DIRECTION_FLOOR: f64 = 0.1;
 /// One sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PendulumReading<S: Scalar> {
-    /// Vehicle → load, any length; `None` where the sample was lost.
+    /// Vehicle → load, any length; `None`: nothing new.
     pub rod: Option<World<V3<S>>>,
+    /// Since the direction before, s: its noise is an intensity.
+    pub rod_period: S,
     /// Of the vehicle, m.
     pub position: World<V3<S>>,
     /// Of the vehicle, m/s.
@@ -41,6 +43,7 @@ pub struct PendulumObserverState<S: Scalar> {
     pub belief: PendulumBelief<S>,
     /// E1's.
     pub vertical: VerticalDisturbanceState<S>,
+    /// Last direction: measured, or else believed.
     rod: V3<S>,
     down: V3<S>,
 }
@@ -61,16 +64,15 @@ pub struct PendulumEstimate<S: Scalar = f32> {
 }
 
 impl<S: Scalar> PendulumObserver<S> {
-    /// From the first sample; `None` without a direction in it. `dt`: period of the samples, s.
+    /// From the first sample; `None` without a direction in it.
     #[must_use]
     pub fn start(
         &self,
         z: &PendulumReading<S>,
-        dt: S,
     ) -> Option<(PendulumObserverState<S>, PendulumEstimate<S>)> {
         let rod = unit(z.rod.as_ref()?)?;
         let belief = self.filter.start(&rod);
-        self.start_from(belief, z, dt)
+        self.start_from(belief, z)
     }
 
     /// From a given belief, corrected by the first sample.
@@ -79,10 +81,9 @@ impl<S: Scalar> PendulumObserver<S> {
         &self,
         mut belief: PendulumBelief<S>,
         z: &PendulumReading<S>,
-        dt: S,
     ) -> Option<(PendulumObserverState<S>, PendulumEstimate<S>)> {
         let rod = unit(z.rod.as_ref()?)?;
-        self.filter.update(&mut belief, &rod, dt);
+        self.filter.update(&mut belief, &rod, z.rod_period);
         let vertical = VerticalDisturbanceState::default();
         let mut state = PendulumObserverState { belief, vertical, rod, down: z.down.0 };
         let estimate = self.estimate(&state, z);
@@ -106,8 +107,9 @@ impl<S: Scalar> PendulumObserver<S> {
         let reading = z.rod.as_ref().and_then(unit);
         let half = S::lit(0.5);
         let rod = reading.map_or(state.belief.rod, |now| (now + state.rod) * half);
+        let timed = reading.as_ref().map(|rod| (rod, z.rod_period));
         let force = (z.down.0 + state.down) * (-z.thrust * half);
-        self.filter.step(&mut next.belief, (&rod, &force), reading.as_ref(), dt)?;
+        self.filter.step(&mut next.belief, (&rod, &force), timed, dt)?;
         let believed = so3::direction(&next.belief.rod, S::lit(DIRECTION_FLOOR));
         next.rod = reading.or(believed.map(|(rod, _)| rod)).ok_or(Fault::Degenerate)?;
         next.down = z.down.0;

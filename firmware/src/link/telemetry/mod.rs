@@ -84,7 +84,8 @@ fn standard_mode(mode: Mode) -> mav::MavStandardMode {
         | Mode::Descent
         | Mode::TautForce
         | Mode::TautAttitude
-        | Mode::TetherAngle => M::MAV_STANDARD_MODE_NON_STANDARD,
+        | Mode::TetherAngle
+        | Mode::Pendulum => M::MAV_STANDARD_MODE_NON_STANDARD,
     }
 }
 

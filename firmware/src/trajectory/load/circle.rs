@@ -42,6 +42,12 @@ impl<S: Scalar> TiltedCircle<S> {
         }
     }
 
+    /// The same circle elsewhere.
+    #[must_use]
+    pub fn around(&self, centre: World<V3<S>>) -> Self {
+        Self { centre, ..*self }
+    }
+
     /// Square of the path's length per angle, m², and its first four derivatives by the angle.
     fn stretch(&self, sin2: S, cos2: S) -> [S; 5] {
         let a = self.rise * self.rise;

@@ -1,6 +1,9 @@
 //! The first simple estimator, whole: attitude (Mahony), position and tension (4-state EKF),
 //! velocity (complementary), with its start-up. `fullstate` sections 6 and 10.
 
+mod free;
+
+use super::capture::{CaptureFilter, CaptureState};
 use super::{
     Ekf4, Ekf4Measurement, Ekf4State, Innovations, LevelState, Leveller, Mahony, MahonyState,
     ThrustModel, ThrustModelState, VelocityFilter, VelocityState, VerticalFilter, VerticalState,
@@ -12,7 +15,7 @@ use crate::model::LinkKind;
 use crate::param::Params;
 use crate::scalar::Scalar;
 use crate::signal::{Estimate, FilterHealth, Imu, ROTORS, Sensors, SphericalPoint, TetherState};
-use crate::time::{DECIMATION, Micros, OUTER_DT};
+use crate::time::{DECIMATION, Micros, OUTER_DT, Sample};
 
 /// Height over the ground at which the filter starts, m.
 const START_HEIGHT: f64 = 0.12;
@@ -40,6 +43,8 @@ pub struct TetherEstimator<S: Scalar> {
     mahony: Mahony<S>,
     ekf: Ekf4<S>,
     velocity: VelocityFilter<S>,
+    /// Instead of the two above, without a tether.
+    capture: Option<CaptureFilter<S>>,
     vertical: VerticalFilter<S>,
     thrust: ThrustModel<S>,
     leveller: Leveller<S>,
@@ -70,6 +75,15 @@ impl<S: Scalar> Default for Decimator<S> {
     }
 }
 
+/// What finds the position in the air.
+#[derive(Clone, Copy, Debug)]
+enum Airborne<S: Scalar> {
+    /// The tether.
+    Tether(Ekf4State<S>, VelocityState<S>),
+    /// Motion capture, which runs on the ground too.
+    Free,
+}
+
 /// What moves.
 #[derive(Clone, Copy, Debug)]
 pub struct TetherEstimatorState<S: Scalar> {
@@ -81,7 +95,10 @@ pub struct TetherEstimatorState<S: Scalar> {
     vertical: VerticalState<S>,
     altitude_at: Option<Micros>,
     /// `None` until lift-off.
-    filter: Option<(Ekf4State<S>, VelocityState<S>)>,
+    filter: Option<Airborne<S>>,
+    /// `None` until the first sample.
+    capture: Option<CaptureState<S>>,
+    now: Micros,
     place: World<V3<S>>,
     lift_steps: u16,
     pending_altitude: Option<S>,
@@ -121,6 +138,7 @@ impl<S: Scalar> TetherEstimator<S> {
                 r_length: S::from_f32(p.ekf_r_length),
             },
             velocity: VelocityFilter { gain: S::from_f32(p.velocity_gain) },
+            capture: kind.is_free().then(|| CaptureFilter::new(p)),
             vertical: VerticalFilter { bandwidth: S::lit(3.0), fade: S::lit(5.0) },
             thrust: ThrustModel {
                 lag: first_order(p.motor_tau, 1.0 / imu_rate_hz),
@@ -154,6 +172,8 @@ impl<S: Scalar> TetherEstimator<S> {
             vertical: VerticalState { height: self.ground_height, climb: S::zero() },
             altitude_at: None,
             filter: None,
+            capture: None,
+            now: Micros::default(),
             place: self.start,
             lift_steps: 0,
             pending_altitude: None,
@@ -185,9 +205,19 @@ impl<S: Scalar> TetherEstimator<S> {
         if let Some(length) = sensors.tether_length {
             state.pending_length = Some(length.value);
         }
-        let Some(imu) = sensors.imu.map(|sample| sample.value) else {
+        if let (Some(capture), Some(sample)) = (&self.capture, &sensors.capture) {
+            match &mut state.capture {
+                Some(known) => capture.correct(known, sample),
+                slot => *slot = Some(capture.start(sample)),
+            }
+            if let Some(heading) = sample.value.heading {
+                self.turn(state, heading);
+            }
+        }
+        let Some(Sample { at, value: imu }) = sensors.imu else {
             return false;
         };
+        state.now = at;
         let thrust = self.thrust.step(&mut state.thrust, commanded);
         let Some(attitude) = &mut state.attitude else {
             if phase == Phase::Resting {
@@ -234,6 +264,10 @@ impl<S: Scalar> TetherEstimator<S> {
         let accel_up = -(force.0.z + S::lit(GRAVITY));
         self.vertical.predict(&mut state.vertical, accel_up, dt, sensors.altitude_is_fresh);
 
+        if let (Some(capture), Some(known)) = (&self.capture, &mut state.capture) {
+            capture.predict(known, &force);
+        }
+
         match phase {
             Phase::Resting => self.rest(state),
             Phase::Powered if on_ground => self.watch_lift_off(state),
@@ -242,7 +276,7 @@ impl<S: Scalar> TetherEstimator<S> {
         }
         let altitude = state.pending_altitude.take();
         let length = state.pending_length.take();
-        let Some((ekf, velocity)) = &mut state.filter else {
+        let Some(Airborne::Tether(ekf, velocity)) = &mut state.filter else {
             return;
         };
         let z = Ekf4Measurement {
@@ -268,7 +302,7 @@ impl<S: Scalar> TetherEstimator<S> {
 
     /// On the ground the place is known: where the vehicle was put, or where it landed.
     fn rest(&self, state: &mut TetherEstimatorState<S>) {
-        if let Some((ekf, _)) = state.filter.take() {
+        if let Some(Airborne::Tether(ekf, _)) = state.filter.take() {
             let landed = ekf.position();
             state.place = World(V3::new(landed.x, landed.y, -self.ground_height));
         }
@@ -287,6 +321,10 @@ impl<S: Scalar> TetherEstimator<S> {
             state.lift_steps += 1;
         }
         if rising || state.lift_steps > START_STEPS {
+            if self.capture.is_some() {
+                state.filter = Some(Airborne::Free);
+                return;
+            }
             let mut place = state.place;
             place.0.z = -state.vertical.height;
             if !self.has_winch {
@@ -297,8 +335,10 @@ impl<S: Scalar> TetherEstimator<S> {
                 place.0.x *= share;
                 place.0.y *= share;
             }
-            state.filter =
-                Some((Ekf4State::at(place.0, self.start_tension), VelocityState::at(place)));
+            state.filter = Some(Airborne::Tether(
+                Ekf4State::at(place.0, self.start_tension),
+                VelocityState::at(place),
+            ));
         }
     }
 
@@ -357,24 +397,22 @@ impl<S: Scalar> TetherEstimator<S> {
         let attitude = state.attitude.unwrap_or(level);
         let has_diverged = state.failed_steps > self.divergence_steps;
         let known = state.attitude.is_some() && !has_diverged;
+        if let Some(capture) = &self.capture {
+            return self.free_estimate(capture, state, attitude);
+        }
         let (position, velocity, tension, sd) = match &state.filter {
-            Some((ekf, velocity)) => {
+            Some(Airborne::Tether(ekf, velocity)) => {
                 let c = &ekf.covariance;
                 let sd = V3::new(c.m11.sqrt(), c.m22.sqrt(), c.m33.sqrt());
                 (World(ekf.position()), velocity.velocity, ekf.tension(), sd)
             }
-            None => {
+            _ => {
                 let sd = V3::repeat(S::lit(0.3));
                 (state.place, World(V3::zeros()), S::zero(), sd)
             }
         };
         let place = SphericalPoint::from_world(&position);
         Estimate {
-            attitude: attitude.attitude,
-            rate: Body(state.rate),
-            gyro_bias: attitude.gyro_bias,
-            height: state.vertical.height,
-            climb: state.vertical.climb,
             position: known.then_some(position),
             velocity: known.then_some(velocity),
             tether: known.then_some(TetherState {
@@ -385,10 +423,30 @@ impl<S: Scalar> TetherEstimator<S> {
                 is_taut: state.is_taut,
             }),
             position_sd: sd,
+            has_diverged,
+            ..self.without_place(state, attitude)
+        }
+    }
+
+    fn without_place(
+        &self,
+        state: &TetherEstimatorState<S>,
+        attitude: MahonyState<S>,
+    ) -> Estimate<S> {
+        Estimate {
+            attitude: attitude.attitude,
+            rate: Body(state.rate),
+            gyro_bias: attitude.gyro_bias,
+            height: state.vertical.height,
+            climb: state.vertical.climb,
+            position: None,
+            velocity: None,
+            tether: None,
+            position_sd: V3::zeros(),
             thrust: state.last_thrust,
             health: state.health,
             is_levelled: state.attitude.is_some(),
-            has_diverged,
+            has_diverged: false,
         }
     }
 }

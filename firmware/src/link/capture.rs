@@ -1,0 +1,76 @@
+//! Motion capture over MAVLink: ODOMETRY, VISION_POSITION_ESTIMATE or ATT_POS_MOCAP for the vehicle,
+//! DEBUG_VECT named `rod` for the direction of a rod on top (vehicle → load, NED, any length).
+//!
+//! All are read by position: the crate refuses frames and estimator types that it does not know, and which
+//! clients send. Time stamps of the sender are not used; its clock is not ours. A sample counts from its
+//! arrival, less the parameter CAP_DELAY.
+
+use super::Link;
+use super::frame::Frame;
+use crate::signal::RawCapture;
+use crate::time::{Micros, Sample};
+
+/// ODOMETRY: frames understood. LOCAL_FRD is taken as NED, as its sender's heading decides.
+const LOCAL_NED: u8 = 1;
+const LOCAL_FRD: u8 = 20;
+/// Where DEBUG_VECT's name stands, and the one that is read.
+const NAME: usize = 20;
+const ROD: &[u8] = b"rod";
+
+/// Heading of a quaternion `[w, x, y, z]`, rad; `None` if it is none.
+fn heading([w, x, y, z]: [f32; 4]) -> Option<f32> {
+    let size = w * w + x * x + y * y + z * z;
+    (size > 0.5 && size < 2.0)
+        .then(|| libm::atan2f(2.0 * (w * z + x * y), w * w + x * x - y * y - z * z))
+}
+
+fn three(frame: &Frame, at: usize) -> [f32; 3] {
+    [frame.float(at), frame.float(at + 4), frame.float(at + 8)]
+}
+
+fn four(frame: &Frame, at: usize) -> [f32; 4] {
+    [frame.float(at), frame.float(at + 4), frame.float(at + 8), frame.float(at + 12)]
+}
+
+impl Link {
+    pub(super) fn odometry(&mut self, now: Micros, frame: &Frame) {
+        // frame_id stands behind eighteen floats and two covariances of 21.
+        if !matches!(frame.byte(228), LOCAL_NED | LOCAL_FRD) {
+            return self.refuse();
+        }
+        self.captured(now, three(frame, 8), heading(four(frame, 20)));
+    }
+
+    pub(super) fn vision_position(&mut self, now: Micros, frame: &Frame) {
+        let yaw = frame.float(28);
+        self.captured(now, three(frame, 8), yaw.is_finite().then_some(yaw));
+    }
+
+    pub(super) fn pose(&mut self, now: Micros, frame: &Frame) {
+        self.captured(now, three(frame, 24), heading(four(frame, 8)));
+    }
+
+    fn captured(&mut self, now: Micros, position: [f32; 3], heading: Option<f32>) {
+        if position.iter().any(|x| !x.is_finite()) {
+            return self.refuse();
+        }
+        self.capture = Some(Sample { at: now, value: RawCapture { position, heading } });
+    }
+
+    pub(super) fn named_vector(&mut self, now: Micros, frame: &Frame) {
+        let mut name = [0_u8; 10];
+        for (at, byte) in (NAME..).zip(&mut name) {
+            *byte = frame.byte(at);
+        }
+        let length = name.iter().position(|byte| *byte == 0).unwrap_or(name.len());
+        if name.get(..length) != Some(ROD) {
+            self.counters.ignored = self.counters.ignored.wrapping_add(1);
+            return;
+        }
+        let value = three(frame, 8);
+        if value.iter().any(|x| !x.is_finite()) {
+            return self.refuse();
+        }
+        self.rod = Some(Sample { at: now, value });
+    }
+}
