@@ -62,6 +62,11 @@ impl<W: Write> Flight<W> {
         if let Some(walk) = self.pilot.take_walk() {
             self.world.plant.anchor.go(walk);
         }
+        if self.pilot.take_catch()
+            && let Some(rod) = &mut self.world.plant.rod
+        {
+            rod.catch();
+        }
         self.metrics.step(&out, &self.world.plant, self.pilot.is_holding());
         self.recorder.write(&out, &self.world.plant);
         self.events.extend(out.events.iter().map(|event| (time, *event)));

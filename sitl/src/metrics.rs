@@ -1,6 +1,7 @@
 //! How well was it flown? Against the truth, not the estimate.
 
 use crate::angle_metrics::{AngleFlightSummary, AngleMetrics};
+use crate::pendulum_metrics::{PendulumFlightSummary, PendulumMetrics};
 use crate::plant::{Plant, V3};
 use crate::taut_metrics::{TautMetrics, TautSummary};
 use nalgebra::Rotation3;
@@ -60,6 +61,8 @@ pub struct Metrics {
     pub taut: TautMetrics,
     /// In Tether Angle.
     pub angle: AngleMetrics,
+    /// In Pendulum.
+    pub pendulum: PendulumMetrics,
     /// Largest squared-innovation ratios seen in the air: accelerometer, altitude, length.
     pub health_max: [f64; 3],
     was_touching: bool,
@@ -91,6 +94,8 @@ pub struct Summary {
     pub taut: Option<TautSummary>,
     /// In Tether Angle.
     pub angle: Option<AngleFlightSummary>,
+    /// In Pendulum.
+    pub pendulum: Option<PendulumFlightSummary>,
     /// Why lost.
     pub lost: Option<&'static str>,
 }
@@ -116,7 +121,8 @@ impl Metrics {
         self.was_touching = touches;
         self.taut.step(out, plant);
         self.angle.step(out, plant);
-        if let Some(why) = self.taut.lost.or(self.angle.lost) {
+        self.pendulum.step(out, plant);
+        if let Some(why) = self.taut.lost.or(self.angle.lost).or(self.pendulum.lost) {
             self.lost.get_or_insert(why);
         }
         if !in_air {
@@ -175,6 +181,7 @@ impl Metrics {
             touch_down_drift_mps: self.touch_down_drift,
             taut: self.taut.summary(),
             angle: self.angle.summary(),
+            pendulum: self.pendulum.summary(),
             lost: self.lost,
         }
     }

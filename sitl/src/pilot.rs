@@ -2,10 +2,11 @@
 
 use crate::plant::{V3, Walk};
 use crate::scenario::{Step, TautControl};
+use crate::voice::Voice;
+use mavlink::MessageData;
 use mavlink::dialects::common::{
     COMMAND_LONG_DATA, HEARTBEAT_DATA, MANUAL_CONTROL_DATA, MavAutopilot, MavCmd, MavType,
 };
-use mavlink::{MAVLinkV2MessageRaw, MavHeader, MessageData};
 use tautline_firmware::supervisor::{GroundState, Mode};
 use tautline_firmware::vehicle::StepOutput;
 
@@ -79,13 +80,14 @@ pub struct Pilot {
     step_began: f64,
     commanded_at: Option<f64>,
     heartbeat_at: f64,
-    sequence: u8,
+    voice: Voice,
     target: u8,
     progress: Progress,
     /// Roll, pitch and throttle, once the pilot has the sticks.
     sticks: Option<[f64; 3]>,
     sticks_at: f64,
     walk: Option<Walk>,
+    catches: bool,
 }
 
 impl Pilot {
@@ -98,12 +100,13 @@ impl Pilot {
             step_began: 0.0,
             commanded_at: None,
             heartbeat_at: f64::NEG_INFINITY,
-            sequence: 0,
+            voice: Voice::new(SYSTEM, COMPONENT),
             target: system,
             progress: if steps.is_empty() { Progress::Done } else { Progress::Flying },
             sticks: None,
             sticks_at: f64::NEG_INFINITY,
             walk: None,
+            catches: false,
         }
     }
 
@@ -116,6 +119,11 @@ impl Pilot {
     /// A walk of the anchor that begins now.
     pub fn take_walk(&mut self) -> Option<Walk> {
         self.walk.take()
+    }
+
+    /// Whether a hand takes the rod now.
+    pub fn take_catch(&mut self) -> bool {
+        std::mem::take(&mut self.catches)
     }
 
     /// Whether a hold is being flown: the time to measure.
@@ -155,6 +163,7 @@ impl Pilot {
         if let Step::WalkAnchor { way: [north, east], speed, ramp } = step {
             self.walk = Some(Walk { way: V3::new(north, east, 0.0), speed, ramp });
         }
+        self.catches |= step == Step::CatchRod;
         if self.is_done(&step, out, waited) {
             self.at += 1;
             self.step_began = time;
@@ -199,9 +208,10 @@ impl Pilot {
             }
             Step::TetherHold => out.mode == Mode::TetherHold,
             Step::TetherAngle => out.mode == Mode::TetherAngle,
+            Step::Pendulum => out.mode == Mode::Pendulum,
             Step::Altitude => out.mode == Mode::Altitude,
             Step::Excite { seconds, .. } => waited >= *seconds,
-            Step::WalkAnchor { .. } => true,
+            Step::WalkAnchor { .. } | Step::CatchRod => true,
             Step::Land | Step::AwaitDisarmed { .. } => !out.is_armed,
         }
     }
@@ -253,6 +263,10 @@ impl Pilot {
                 set_mode(&mut p, Mode::TetherAngle);
                 MavCmd::MAV_CMD_DO_SET_MODE
             }
+            Step::Pendulum => {
+                set_mode(&mut p, Mode::Pendulum);
+                MavCmd::MAV_CMD_DO_SET_MODE
+            }
             Step::Altitude => {
                 self.sticks = Some([0.0; 3]);
                 set_mode(&mut p, Mode::Altitude);
@@ -287,6 +301,7 @@ impl Pilot {
             Step::Hold { .. }
             | Step::Excite { .. }
             | Step::WalkAnchor { .. }
+            | Step::CatchRod
             | Step::AwaitDisarmed { .. } => return false,
         };
         let [param1, param2, param3, param4, param5, param6, param7] = p;
@@ -321,11 +336,6 @@ impl Pilot {
     }
 
     fn send<D: MessageData>(&mut self, message: &D, say: &mut dyn FnMut(&[u8])) {
-        let header =
-            MavHeader { system_id: SYSTEM, component_id: COMPONENT, sequence: self.sequence };
-        self.sequence = self.sequence.wrapping_add(1);
-        let mut raw = MAVLinkV2MessageRaw::new();
-        raw.serialize_message_data(header, message);
-        say(raw.raw_bytes());
+        say(&self.voice.frame(message));
     }
 }

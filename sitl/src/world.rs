@@ -1,13 +1,15 @@
 //! One millisecond at a time: plant → sensors → drivers → the firmware's step → ESCs.
 
 use crate::inject::Faults;
-use crate::plant::{Plant, generator};
+use crate::pendulum::{Disturbance, DisturbanceKind};
+use crate::plant::{Plant, Push, generator};
 use crate::scenario::{FaultKind, Scenario, ScenarioError};
-use crate::sensor::SensorSuite;
+use crate::sensor::{MotionCapture, SensorSuite};
 use std::f64::consts::PI;
 use tautline_firmware::link::Link;
 use tautline_firmware::param::Params;
-use tautline_firmware::sense::Mounting;
+use tautline_firmware::sense::{Mounting, RawSensors};
+use tautline_firmware::supervisor::Mode;
 use tautline_firmware::time::Micros;
 use tautline_firmware::vehicle::{StepInput, StepOutput, Vehicle};
 use tautline_hal_shim::fake::{FakeClock, FakeEsc};
@@ -23,6 +25,10 @@ pub struct World {
     /// Physical truth.
     pub plant: Plant,
     sensors: SensorSuite,
+    capture: Option<MotionCapture>,
+    /// Until a hand lets go of the rod after the change of mode, s; and when that was.
+    reaction: f64,
+    balancing_since: Option<f64>,
     motors: MotorOutputs<FakeEsc>,
     /// The firmware.
     pub vehicle: Vehicle,
@@ -56,8 +62,16 @@ impl World {
         // The drivers' set-up took simulated time; steps count from the next whole millisecond.
         let started_us = clock.now_us().next_multiple_of(STEP_US);
         clock.advance_to(started_us);
+        let mut plant = Plant::new(scenario.plant_with_wind(wind_from), distance, heading, seed);
+        if scenario.push.kind != DisturbanceKind::None {
+            plant.push = Some(Push::new(Disturbance::new(scenario.push.kind, seed)));
+        }
+        let sees = scenario.capture.rate > 0.0;
         Ok(Self {
-            plant: Plant::new(scenario.plant_with_wind(wind_from), distance, heading, seed),
+            plant,
+            capture: sees.then(|| MotionCapture::new(scenario.capture.clone(), seed)),
+            reaction: scenario.rod.reaction,
+            balancing_since: None,
             sensors,
             motors,
             vehicle,
@@ -98,10 +112,16 @@ impl World {
         self.plant.step(&throttle, f64::from(winch));
         self.clock.advance_to(self.clock.now_us() + STEP_US);
 
+        self.look(send);
         let mounting = Mounting::from_parameter(self.vehicle.params().board_rotation);
+        let sensors = RawSensors {
+            capture: self.link.take_capture(),
+            rod: self.link.take_rod(),
+            ..self.sensors.read(&self.plant, &self.faults, mounting)
+        };
         let input = StepInput {
             now: self.now(),
-            sensors: self.sensors.read(&self.plant, &self.faults, mounting),
+            sensors,
             heartbeat_at: self.link.heartbeat_at(),
             sticks: self.link.sticks(),
             request: self.link.next_request(),
@@ -112,7 +132,33 @@ impl World {
             Err(never) => match never {},
         }
         self.link.transmit(&out, self.vehicle.params(), send);
+        self.let_go(out.mode);
         out
+    }
+
+    /// What the motion capture says arrives by the link.
+    fn look(&mut self, send: &mut dyn FnMut(&[u8])) {
+        let (now, params) = (self.now(), self.vehicle.params());
+        if let Some(capture) = &mut self.capture {
+            let link = &mut self.link;
+            capture.step(now.0, &self.plant, &self.faults, &mut |frame| {
+                link.receive_datagram(now, frame, params, send);
+            });
+        }
+    }
+
+    /// Whoever holds the rod lets go when the vehicle balances it.
+    fn let_go(&mut self, mode: Mode) {
+        if mode != Mode::Pendulum {
+            self.balancing_since = None;
+            return;
+        }
+        let now = self.time();
+        let since = *self.balancing_since.get_or_insert(now);
+        let lets_go = (since + self.reaction..since + self.reaction + 1.5e-3).contains(&now);
+        if let Some(rod) = self.plant.rod.as_mut().filter(|_| lets_go) {
+            rod.release();
+        }
     }
 
     fn break_things(&mut self) {

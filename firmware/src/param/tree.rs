@@ -223,7 +223,7 @@ params! {
         /// Age of a sample when it arrives.
         capture_delay: "CAP_DELAY" Real ["s"] = 0.02 in 0.0 ..= 0.12;
         /// Bandwidth with which samples hold position and velocity.
-        capture_bandwidth: "CAP_BW" Real ["rad/s"] = 6.0 in 0.5 ..= 20.0;
+        capture_bandwidth: "CAP_BW" Real ["rad/s"] = 12.0 in 0.5 ..= 30.0;
         /// Silence after which there is no position.
         capture_timeout: "CAP_TIMEOUT" Real ["s"] = 0.2 in 0.03 ..= 2.0;
     }

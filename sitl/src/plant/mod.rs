@@ -7,6 +7,8 @@ mod anchor;
 mod battery;
 mod body;
 mod ground;
+mod push;
+mod rod;
 mod rotor;
 mod tether;
 mod wind;
@@ -15,6 +17,8 @@ pub use anchor::{Anchor, Walk};
 pub use battery::{Battery, BatteryModel};
 pub use body::{Body, BodyModel};
 pub use ground::{Ground, GroundModel};
+pub use push::Push;
+pub use rod::{Rod, RodModel, RodPhase};
 pub use rotor::{Rotor, RotorModel};
 pub use tether::{Tether, TetherModel, WinchModel};
 pub use wind::{Gusts, Wind, WindModel};
@@ -63,6 +67,8 @@ pub struct PlantModel {
     pub rotor: RotorModel,
     /// Tether.
     pub tether: TetherModel,
+    /// A load on top.
+    pub rod: Option<RodModel>,
     /// Wind.
     pub wind: WindModel,
     /// Ground.
@@ -86,6 +92,10 @@ pub struct Plant {
     pub anchor: Anchor,
     /// Wind.
     pub wind: Wind,
+    /// A load on top.
+    pub rod: Option<Rod>,
+    /// A force from nowhere.
+    pub push: Option<Push>,
     /// Feet.
     pub ground: Ground,
     /// Battery.
@@ -116,6 +126,8 @@ impl Plant {
             tether: Tether::new(&model.tether, &mut rng),
             anchor: Anchor::default(),
             wind: Wind::default(),
+            rod: model.rod.clone().map(Rod::held),
+            push: None,
             ground: Ground::default(),
             battery: Battery::new(&model.battery),
             specific_force: V3::zeros(),
@@ -173,6 +185,14 @@ impl Plant {
         force_body += r.inverse() * support;
         torque += support_torque;
 
+        if let Some(push) = &mut self.push {
+            push.step(self.body.height(), DT);
+            force_body += r.inverse() * push.force();
+        }
+        if let Some(rod) = &mut self.rod {
+            let reaction = rod.step(&(r * force_body), m.body.mass, DT);
+            force_body += r.inverse() * reaction;
+        }
         self.body.step(&m.body, &force_body, &torque, DT);
         force_body / m.body.mass
     }

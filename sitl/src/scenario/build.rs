@@ -2,7 +2,7 @@
 
 use super::{Scenario, ScenarioError, TetherKind, set_param};
 use crate::plant::{
-    BatteryModel, BodyModel, GroundModel, Gusts, PlantModel, RotorModel, TetherModel, V3,
+    BatteryModel, BodyModel, GroundModel, Gusts, PlantModel, RodModel, RotorModel, TetherModel, V3,
     WinchModel, WindModel,
 };
 use tautline_firmware::param::Params;
@@ -40,6 +40,8 @@ impl Scenario {
             rate_damping: v.rate_damping,
         };
         let is_free = t.kind == TetherKind::None;
+        // Feet that carry a kilogram would throw a hundred grams about.
+        let light = v.mass.min(1.0);
         let winch = (t.kind == TetherKind::Winch).then_some(WinchModel {
             lag: t.winch_lag,
             error: t.winch_error,
@@ -82,9 +84,9 @@ impl Scenario {
             },
             ground: GroundModel {
                 leg_height: v.leg_height,
-                leg_spread: 0.15,
-                stiffness: 2_000.0,
-                damping: 60.0,
+                leg_spread: (0.85 * v.arm).min(0.15),
+                stiffness: 2_000.0 * light,
+                damping: 60.0 * light,
                 friction: 0.8,
             },
             battery: BatteryModel {
@@ -94,6 +96,12 @@ impl Scenario {
                 charge: self.battery.charge,
                 base_power: 4.0,
             },
+            rod: (self.rod.load_mass > 0.0).then(|| {
+                let r = &self.rod;
+                let ((sin, cos), (east, north)) = (r.tilt.sin_cos(), r.azimuth.sin_cos());
+                let held = V3::new(sin * north, sin * east, -cos);
+                RodModel { load_mass: r.load_mass, length: r.length, held }
+            }),
             body,
         }
     }
@@ -133,7 +141,11 @@ impl Scenario {
             ("TET_START_DIST", t.start_distance),
             ("TET_START_SLK", t.start_slack),
             ("TET_HDG0", v.heading),
+            ("PND_LENGTH", self.rod.length),
+            ("CAP_DELAY", self.capture.delay),
         ];
+        let load = [("PND_LOAD", self.rod.load_mass)];
+        let known = known.into_iter().chain(load.into_iter().filter(|(_, mass)| *mass > 0.0));
         for (name, value) in known {
             set_param(&mut params, name, value as f32).map_err(ScenarioError)?;
         }

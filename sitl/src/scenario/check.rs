@@ -8,13 +8,14 @@ impl Scenario {
     pub(super) fn check(&self) -> Result<(), String> {
         let (v, t, w, s, b) =
             (&self.vehicle, &self.tether, &self.wind, &self.sensors, &self.battery);
+        let (c, r) = (&self.capture, &self.rod);
         let [ix, iy, iz] = v.inertia;
         let [dx, dy, dz] = v.drag_linear;
         let ranges = [
             ("vehicle.mass", v.mass, 0.1, 50.0),
-            ("vehicle.inertia[0]", ix, 1e-4, 10.0),
-            ("vehicle.inertia[1]", iy, 1e-4, 10.0),
-            ("vehicle.inertia[2]", iz, 1e-4, 10.0),
+            ("vehicle.inertia[0]", ix, 1e-5, 10.0),
+            ("vehicle.inertia[1]", iy, 1e-5, 10.0),
+            ("vehicle.inertia[2]", iz, 1e-5, 10.0),
             ("vehicle.arm", v.arm, 0.03, 2.0),
             ("vehicle.thrust_coefficient", v.thrust_coefficient, 1e-8, 1e-2),
             ("vehicle.torque_ratio", v.torque_ratio, 1e-4, 0.5),
@@ -44,6 +45,18 @@ impl Scenario {
             ("tether.winch_friction", t.winch_friction, 0.0, 20.0),
             ("tether.winch_ripple", t.winch_ripple, 0.0, 20.0),
             ("tether.winch_length_max", t.winch_length_max, 1.0, 500.0),
+            ("capture.rate", c.rate, 0.0, 1000.0),
+            ("capture.delay", c.delay, 0.0, 1.0),
+            ("capture.jitter", c.jitter, 0.0, 1.0),
+            ("capture.dropped", c.dropped, 0.0, 1.0),
+            ("capture.position_noise", c.position_noise, 0.0, 1.0),
+            ("capture.attitude_noise", c.attitude_noise, 0.0, 1.0),
+            ("capture.rod_noise", c.rod_noise, 0.0, 1.0),
+            ("rod.load_mass", r.load_mass, 0.0, 10.0),
+            ("rod.length", r.length, 0.1, 5.0),
+            ("rod.tilt", r.tilt, 0.0, 1.0),
+            ("rod.azimuth", r.azimuth, -6.3, 6.3),
+            ("rod.reaction", r.reaction, 0.0, 5.0),
             ("wind.speed", w.speed, 0.0, 25.0),
             ("wind.pulse", w.pulse, 0.0, 25.0),
             ("wind.from", w.from.unwrap_or(0.0), -6.3, 6.3),
@@ -92,6 +105,8 @@ impl Scenario {
                 Step::Arm
                 | Step::Altitude
                 | Step::TetherAngle
+                | Step::Pendulum
+                | Step::CatchRod
                 | Step::Land
                 | Step::TetherHold
                 | Step::Taut { .. }

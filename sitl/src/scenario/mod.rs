@@ -5,9 +5,11 @@
 
 mod build;
 mod check;
+mod free;
 pub(crate) use check::within;
 mod sections;
 
+pub use free::{CaptureSection, PushSection, RodSection};
 pub use sections::{
     BatterySection, FaultKind, FaultSection, SensorSection, Step, TautControl, TetherKind,
     TetherSection, VehicleSection, WindSection,
@@ -30,6 +32,12 @@ pub struct Scenario {
     pub tether: TetherSection,
     /// Wind.
     pub wind: WindSection,
+    /// Motion capture.
+    pub capture: CaptureSection,
+    /// A load on top.
+    pub rod: RodSection,
+    /// A force on the vehicle.
+    pub push: PushSection,
     /// Sensors.
     pub sensors: SensorSection,
     /// Battery.

@@ -76,7 +76,7 @@ pub enum TetherKind {
     Strut,
     /// Rigid, pulls and pushes.
     Bar,
-    /// Flies free; the firmware believes in a cable of the given length.
+    /// Flies free.
     None,
 }
 
@@ -85,10 +85,11 @@ impl TetherKind {
     #[must_use]
     pub fn parameter(self) -> f64 {
         match self {
-            Self::Fixed | Self::None => 0.0,
+            Self::Fixed => 0.0,
             Self::Winch => 1.0,
             Self::Strut => 2.0,
             Self::Bar => 3.0,
+            Self::None => 4.0,
         }
     }
 }
@@ -265,6 +266,10 @@ pub enum FaultKind {
     LinkLost,
     /// The gyro reads `value` rad/s too much on every axis.
     GyroBias,
+    /// No motion capture.
+    CaptureLost,
+    /// Motion capture sees the vehicle, not the rod.
+    RodUnseen,
 }
 
 /// `[[fault]]`.
@@ -342,6 +347,10 @@ pub enum Step {
     },
     /// Change to Tether Angle and wait until it flies.
     TetherAngle,
+    /// Change to Pendulum and wait until it flies; whoever holds the rod lets go.
+    Pendulum,
+    /// A hand takes the rod; the next step follows at once.
+    CatchRod,
     /// Whoever holds the tether begins to walk; the next step follows at once.
     WalkAnchor {
         /// North and East, m.

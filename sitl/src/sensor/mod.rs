@@ -1,6 +1,9 @@
 //! Sensors at register level: truth + errors → fakes → the real drivers → [`RawSensors`].
 
+mod capture;
 mod errors;
+
+pub use capture::MotionCapture;
 
 use crate::inject::Faults;
 use crate::plant::{Plant, generator};
@@ -100,6 +103,9 @@ impl SensorSuite {
                 && !is_present(FaultKind::WinchSilent))
             .then(|| self.read_winch(plant))
             .map(|value| Sample { at, value }),
+            // Motion capture comes by the link.
+            capture: None,
+            rod: None,
         }
     }
 

@@ -190,7 +190,7 @@ impl<S: Scalar> Vehicle<S> {
         let Some(flight) = &mut self.state.pendulum_flight else {
             return Err(rejected("Move refused: not in Pendulum"));
         };
-        if ned.iter().flatten().any(|x| !(x.abs() <= self.params.length_max)) {
+        if ned.iter().flatten().any(|x| x.is_nan() || x.abs() > self.params.length_max) {
             return Err(denied("Move refused: out of range"));
         }
         flight.path.go(ned.map(|x| x.map(S::from_f32)))
