@@ -13,9 +13,9 @@ impl Scenario {
     pub fn start(&self) -> (f64, f64) {
         let height = self.vehicle.leg_height;
         let distance = match self.tether.kind {
-            TetherKind::Winch => self.tether.start_distance,
+            TetherKind::Winch | TetherKind::None => self.tether.start_distance,
             // Just short of taut, as an operator lays it out.
-            TetherKind::Fixed | TetherKind::None => {
+            TetherKind::Fixed => {
                 let taut = (self.tether.length.powi(2) - height.powi(2)).sqrt();
                 (taut - 0.02 - self.tether.start_slack).max(0.2)
             }

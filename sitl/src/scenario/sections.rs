@@ -114,7 +114,7 @@ pub struct TetherSection {
     pub attachment: f64,
     /// Fixed: how much closer than taut the vehicle starts, m.
     pub start_slack: f64,
-    /// Start of the vehicle from the anchor (winch), m.
+    /// Start of the vehicle from the anchor (winch) or the origin (none), m.
     pub start_distance: f64,
     /// s.
     pub winch_lag: f64,
