@@ -22,7 +22,7 @@ use tautline_firmware::math::so3;
 use tautline_firmware::model::PendulumModel;
 use tautline_firmware::scalar::Scalar;
 use tautline_firmware::signal::LoadReference;
-use tautline_firmware::trajectory::load::{LoadMove, SoftStart, TiltedCircle};
+use tautline_firmware::trajectory::load::{FadeIn, LoadMove, SoftStart, TiltedCircle};
 use tautline_sitl::pendulum::{PendulumScenario, Precision};
 use tautline_sitl::plant::{Generator, generator, uniform};
 
@@ -190,6 +190,13 @@ fn each_derivative_of_a_reference_is_the_slope_of_the_one_before() {
     let moved = LoadMove::try_new(World(from), World(to), 2.5).unwrap();
     let lifted_move = LoadMove::try_new(World(l(from)), World(l(to)), Dual::lit(2.5)).unwrap();
     let none = LoadReference::at_rest(World(V3::zeros()));
+    let (place, speed) = (V3::new(0.4, -0.3, -1.2), V3::new(0.2, 0.1, -0.4));
+    let fade = FadeIn::new(&World(place), &World(speed), 3.0);
+    let lifted_fade = FadeIn::new(&World(l(place)), &World(l(speed)), Dual::lit(3.0));
+    let begun = fade.apply(&circle.at(0.3), 0.0);
+    alike("begin", &begun.position().0, &place);
+    alike("begin", &begun.velocity().0, &speed);
+    assert!(begun.0[2..].iter().all(|d| d.norm() < 1e-12), "{begun:?}");
     for k in 1..40 {
         let time = 0.06 * f64::from(k);
         let auto = lifted.at(dual(time, circle.angular_speed(time)));
@@ -197,10 +204,13 @@ fn each_derivative_of_a_reference_is_the_slope_of_the_one_before() {
         let auto_move = lifted_move.at(dual(time, 1.0));
         let explicit_move = moved.at(time);
         let fading = soft.apply(&none, time);
+        let faded = fade.apply(&explicit_move, time);
+        let auto_faded = lifted_fade.apply(&auto_move, dual(time, 1.0));
         let step = 1e-6;
         for i in 0..5 {
             alike("circle", &explicit.0[i + 1], &slope(&auto.0[i]));
             alike("move", &explicit_move.0[i + 1], &slope(&auto_move.0[i]));
+            alike("fade in", &faded.0[i + 1], &slope(&auto_faded.0[i]));
             let after = soft.apply(&none, time + step).0[i];
             let before = soft.apply(&none, time - step).0[i];
             let numeric = (after - before) / (2.0 * step);

@@ -2,9 +2,11 @@
 //! needs. `pendulum` section 5.
 
 mod circle;
+mod fade_in;
 mod line;
 mod soft_start;
 
 pub use circle::TiltedCircle;
+pub use fade_in::FadeIn;
 pub use line::LoadMove;
 pub use soft_start::SoftStart;

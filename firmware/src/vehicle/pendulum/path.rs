@@ -5,7 +5,7 @@ use crate::frames::{V3, World};
 use crate::math::so3;
 use crate::scalar::Scalar;
 use crate::signal::LoadReference;
-use crate::trajectory::load::{LoadMove, SoftStart, TiltedCircle};
+use crate::trajectory::load::{FadeIn, LoadMove, TiltedCircle};
 use crate::vehicle::requests::{Refusal, rejected};
 
 /// Peak slope of the C5 step: peak speed is this times distance over duration.
@@ -26,8 +26,7 @@ enum Shape<S: Scalar> {
 #[derive(Clone, Copy, Debug)]
 pub(in crate::vehicle) struct LoadPath<S: Scalar> {
     shape: Shape<S>,
-    soft: SoftStart<S>,
-    soft_time: S,
+    fade: FadeIn<S>,
     /// Since the shape began and since entry, s.
     time: S,
     flown: S,
@@ -42,19 +41,17 @@ impl<S: Scalar> LoadPath<S> {
             Shape::Stay(x.position)
         };
         let o = S::zero();
-        let start = shape_at(&shape, o);
-        let soft_start = SoftStart::new(&x.position, &x.velocity, &start, soft);
-        Self { shape, soft: soft_start, soft_time: soft, time: o, flown: o }
+        Self { shape, fade: FadeIn::new(&x.position, &x.velocity, soft), time: o, flown: o }
     }
 
     /// Whether the soft start is over.
     pub fn has_settled(&self) -> bool {
-        self.flown > self.soft_time
+        self.flown > self.fade.duration()
     }
 
     /// As it is.
     pub fn now(&self) -> LoadReference<S> {
-        self.soft.apply(&shape_at(&self.shape, self.time), self.flown)
+        self.fade.apply(&shape_at(&self.shape, self.time), self.flown)
     }
 
     /// `dt` s later.
