@@ -94,12 +94,22 @@ fn experiments() -> Outcome {
         "localization-headroom",
         "thrust-structures",
         "sensing-acceptance",
+        "pendulum-simulation",
+        "pendulum-hardware",
+        "pendulum-baseline",
+        "pendulum-acceptance",
     ];
     for key in whole {
         let folder = format!("target/experiments/{key}");
         run(sitl(), &["experiment", key, "--plot", &folder])?;
     }
-    for (key, seeds) in [("taut-flight", 4), ("angle-flight", 4), ("thrust-flight", 2)] {
+    for (key, seeds) in [
+        ("taut-flight", 4),
+        ("angle-flight", 4),
+        ("thrust-flight", 2),
+        ("pendulum-sweeps", 1),
+        ("pendulum-flight", 2),
+    ] {
         run(sitl(), &["experiment", key, "--set", &format!("seeds={seeds}")])?;
     }
     run(sitl(), &["sysid", "tests/golden/sysid.csv", "--plot", "target/experiments/sysid"])
