@@ -19,7 +19,7 @@ pub const MEMORY: usize = 32;
 /// there.
 const GATE: f64 = 0.5;
 const OUTLIERS: u8 = 10;
-/// After a gap of this many periods a sample counts as one.
+/// A sample after a longer gap, s, corrects as if it came after this one.
 const PERIOD_MAX: f64 = 0.1;
 
 /// Configuration.

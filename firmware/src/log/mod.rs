@@ -6,6 +6,7 @@
 //! was tried: it writes no information messages and wants one enum over all topics, which would keep
 //! the simulator from adding its truth beside them.)
 
+mod estimators;
 mod flight;
 pub mod topics;
 mod ulog;

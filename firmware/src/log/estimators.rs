@@ -1,0 +1,198 @@
+//! What the estimators' topics are made of: ours, named `estimator_<name>`.
+
+use super::topics::three;
+use super::ulog::record;
+use crate::estimate::tether_angle::{TetherAngleState, plane_angles};
+use crate::scalar::Scalar;
+use crate::vehicle::StepOutput;
+
+record! {
+    /// `estimator_ekf4`: health of the four-state filter and its attitude source.
+    EstimatorEkf4 {
+        /// Innovation test ratios: accelerometer, altitude, length.
+        test_ratio: [f32; 3],
+        /// One standard deviation, m.
+        position_sd: [f32; 3],
+        /// rad/s.
+        gyro_bias: [f32; 3],
+        /// Modelled total thrust, N.
+        thrust: f32,
+        /// Vertical filter: height m, climb m/s.
+        vertical: [f32; 2],
+        /// The innovation tests failed for too long.
+        diverged: bool,
+    }
+}
+record! {
+    /// `estimator_taut`: the taut-link observer, and what its modes ask.
+    EstimatorTaut {
+        /// rad.
+        elevation: f32,
+        /// rad/s.
+        elevation_rate: f32,
+        /// In the plane, positive leaning away from the anchor, rad.
+        pitch: f32,
+        /// N, positive in tension.
+        link_force: f32,
+        /// m/s².
+        residual: f32,
+        /// Azimuth minus heading, rad; zero outside the taut-link modes.
+        azimuth: f32,
+        /// rad; zero outside the taut-link modes.
+        roll: f32,
+        /// rad.
+        elevation_setpoint: f32,
+        /// Link force, N, or pitch, rad.
+        second_setpoint: f32,
+        /// A taut-link mode flies; without, the set-points mean nothing.
+        active: bool,
+    }
+}
+
+record! {
+    /// `estimator_tether_angle`: Tether Angle's filters, in the plane of North and up, and of West and up.
+    EstimatorTetherAngle {
+        /// Of the tether from straight up, rad.
+        angle: [f32; 2],
+        /// rad/s.
+        angle_rate: [f32; 2],
+        /// Of the thrust axis from straight up, rad.
+        tilt: [f32; 2],
+        /// One standard deviation of the angle, rad.
+        angle_sd: [f32; 2],
+        /// Asked, rad.
+        angle_setpoint: [f32; 2],
+        /// Of the tether, N.
+        tension: f32,
+        /// What each filter did: 0 no estimate, 1 started, 2 updated, 3 dead reckoning, 4 lost.
+        mode_x: u8,
+        /// See `mode_x`.
+        mode_y: u8,
+    }
+}
+record! {
+    /// `estimator_pendulum`: the rod on top and its load, world axes, while the rod is seen.
+    EstimatorPendulum {
+        /// Unit vector vehicle to load.
+        rod: [f32; 3],
+        /// rad/s.
+        rod_rate: [f32; 3],
+        /// Of the load, m.
+        load_position: [f32; 3],
+        /// Of the load, m/s.
+        load_velocity: [f32; 3],
+        /// On the vehicle, N.
+        disturbance: [f32; 3],
+        /// Where the load shall be, m.
+        load_setpoint: [f32; 3],
+        /// Pendulum flies; without, the set-point means nothing.
+        active: bool,
+    }
+}
+record! {
+    /// A position estimator that runs beside the one that flies.
+    EstimatorPosition {
+        /// North, East, Down from the anchor, m.
+        position: [f32; 3],
+        /// One standard deviation, m; zero where the estimator has none.
+        position_sd: [f32; 3],
+        /// N.
+        tension: f32,
+        /// The tension is on its mirror image, below zero.
+        tension_is_negative: bool,
+    }
+}
+
+impl EstimatorEkf4 {
+    /// The filter's own view.
+    pub fn of<S: Scalar>(out: &StepOutput<S>) -> Self {
+        let e = &out.estimate;
+        Self {
+            timestamp: out.now.0,
+            test_ratio: [
+                e.health.accel.to_f32(),
+                e.health.altitude.to_f32(),
+                e.health.length.to_f32(),
+            ],
+            position_sd: three(&e.position_sd),
+            gyro_bias: three(&e.gyro_bias.0),
+            thrust: e.thrust.to_f32(),
+            vertical: [e.height.to_f32(), e.climb.to_f32()],
+            diverged: e.has_diverged,
+        }
+    }
+}
+
+impl EstimatorTaut {
+    /// `None` on the ground.
+    pub fn of<S: Scalar>(out: &StepOutput<S>) -> Option<Self> {
+        out.taut.as_ref().map(|taut| {
+            let x = &taut.planar;
+            let (azimuth, roll) = taut
+                .lateral
+                .as_ref()
+                .map_or((S::zero(), S::zero()), |lateral| (lateral.azimuth(), lateral.roll()));
+            let (elevation, second) =
+                out.taut_reference.map_or((S::zero(), S::zero()), |reference| {
+                    let ([phi, ..], [second, ..]) = (reference.elevation, reference.second);
+                    (phi, second)
+                });
+            Self {
+                timestamp: out.now.0,
+                elevation: x.elevation.to_f32(),
+                elevation_rate: x.elevation_rate.to_f32(),
+                pitch: x.pitch.to_f32(),
+                link_force: taut.link_force.to_f32(),
+                residual: taut.residual.to_f32(),
+                azimuth: azimuth.to_f32(),
+                roll: roll.to_f32(),
+                elevation_setpoint: elevation.to_f32(),
+                second_setpoint: second.to_f32(),
+                active: out.taut_reference.is_some(),
+            }
+        })
+    }
+}
+
+impl EstimatorTetherAngle {
+    /// `None` outside Tether Angle.
+    pub fn of<S: Scalar>(out: &StepOutput<S>) -> Option<Self> {
+        let angle = out.angle.as_ref()?;
+        let pick = |of: fn(&TetherAngleState<S>) -> S| {
+            let [x, y] = &angle.planes;
+            [of(x).to_f32(), of(y).to_f32()]
+        };
+        let asked = out.reference.map_or([S::zero(); 2], |r| plane_angles(&r.position));
+        let [mode_x, mode_y] = angle.modes().map(|mode| mode as u8);
+        Some(Self {
+            timestamp: out.now.0,
+            angle: pick(|p| p.belief.x.angle),
+            angle_rate: pick(|p| p.belief.x.rate),
+            tilt: pick(|p| p.belief.x.tilt),
+            angle_sd: pick(|p| p.belief.covariance.m11.sqrt()),
+            angle_setpoint: asked.map(Scalar::to_f32),
+            tension: angle.tension.to_f32(),
+            mode_x,
+            mode_y,
+        })
+    }
+}
+
+impl EstimatorPendulum {
+    /// `None` while no rod is seen.
+    pub fn of<S: Scalar>(out: &StepOutput<S>) -> Option<Self> {
+        let report = out.pendulum.as_ref()?;
+        let x = &report.estimate;
+        let setpoint = report.reference.as_ref().map(|r| three(&r.position().0));
+        Some(Self {
+            timestamp: out.now.0,
+            rod: three(&x.rod.0),
+            rod_rate: three(&x.rod_rate.0),
+            load_position: three(&x.position.0),
+            load_velocity: three(&x.velocity.0),
+            disturbance: three(&x.disturbance.0),
+            load_setpoint: setpoint.unwrap_or_default(),
+            active: setpoint.is_some(),
+        })
+    }
+}
