@@ -6,6 +6,7 @@
 //! | [`barometer::dps310`] | Infineon DPS310, Goertek SPL06 | I2C |
 //! | [`rangefinder::tfmini`] | Benewake TFmini-S / Plus | UART (embedded-io) |
 //! | [`motors`] | ESCs by 400 Hz PWM or OneShot125 | `SetDutyCycle` |
+//! | [`parameters`] | flash of the microcontroller | `NorFlash` (embedded-storage) |
 //! | [`battery`] | voltage and current pins | [`battery::AdcPin`] |
 //!
 //! With the feature `fake`, [`fake`] holds a register-level fake of each: what the simulator plugs in,
@@ -20,4 +21,5 @@ pub mod battery;
 pub mod fake;
 pub mod imu;
 pub mod motors;
+pub mod parameters;
 pub mod rangefinder;

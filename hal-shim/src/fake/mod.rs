@@ -6,12 +6,14 @@
 mod adc;
 mod dps310;
 mod esc;
+mod flash;
 mod icm42688;
 mod tfmini;
 
 pub use adc::FakePin;
 pub use dps310::FakeDps310;
 pub use esc::FakeEsc;
+pub use flash::{FakeFlash, FlashError};
 pub use icm42688::FakeIcm42688;
 pub use tfmini::FakeTfMini;
 

@@ -1,0 +1,118 @@
+//! Parameters in flash: one item per name, wear-levelled, whole after a power cut.
+//!
+//! [`ParameterStore`] keeps the newest value of each name in a map of `sequential-storage`: items are appended with
+//! a checksum, and a full page moves what is still current to the next. A cut in the middle of a write loses that
+//! write and nothing else (`tests/storage.rs` cuts ten thousand). A page for the journal and two for the data suffice.
+//!
+//! Writing and erasing may stall the processor for seconds (STM32F405): store on the ground, disarmed.
+
+mod journal;
+
+use core::future::Future;
+use core::ops::Range;
+use core::pin::pin;
+use core::task::{Context, Poll, Waker};
+use embedded_storage::nor_flash::NorFlash;
+use journal::Journalled;
+use sequential_storage::cache::{Cache, Uncached};
+use sequential_storage::map::{MapConfig, MapStorage};
+
+/// Name of a parameter, padded with zeros.
+pub type Name = [u8; 16];
+
+/// Name, value and header of one item, rounded up to the widest flash word.
+const BUFFER: usize = 64;
+
+/// Why a value was not stored or read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum StorageError<E> {
+    /// What the flash said.
+    Flash(E),
+    /// No room left for another name.
+    Full,
+    /// The pages hold something else. [`ParameterStore::erase`] starts anew.
+    Corrupted,
+    /// The range is not of at least three whole pages.
+    Range,
+}
+
+/// Nothing in here ever waits, so the first poll is the last.
+fn now<T>(future: impl Future<Output = T>) -> Option<T> {
+    match pin!(future).poll(&mut Context::from_waker(Waker::noop())) {
+        Poll::Ready(value) => Some(value),
+        Poll::Pending => None,
+    }
+}
+
+fn said<E>(error: sequential_storage::Error<E>) -> StorageError<E> {
+    use sequential_storage::Error as E2;
+    match error {
+        E2::Storage { value, .. } => StorageError::Flash(value),
+        E2::FullStorage => StorageError::Full,
+        _ => StorageError::Corrupted,
+    }
+}
+
+/// Parameters in a range of a flash.
+pub struct ParameterStore<F: NorFlash> {
+    map: MapStorage<Name, Journalled<F>, Cache<Uncached, Uncached, Uncached, Name>>,
+    buffer: [u8; BUFFER],
+}
+
+impl<F: NorFlash> ParameterStore<F> {
+    /// In a range of at least three whole pages, the first for the journal of erasing. Ends what a power cut
+    /// left half erased.
+    ///
+    /// # Errors
+    /// [`StorageError::Range`], or what the flash says.
+    pub fn try_new(flash: F, range: Range<u32>) -> Result<Self, StorageError<F::Error>> {
+        let page = u32::try_from(F::ERASE_SIZE).map_err(|_| StorageError::Range)?;
+        let journal = range.start;
+        let data = journal.saturating_add(page)..range.end;
+        if data.start > data.end {
+            return Err(StorageError::Range);
+        }
+        let config = MapConfig::try_new(data).map_err(|_| StorageError::Range)?;
+        let mut flash = Journalled { flash, journal };
+        flash.recover().map_err(StorageError::Flash)?;
+        let map = MapStorage::new(flash, config, Cache::new_uncached());
+        Ok(Self { map, buffer: [0; BUFFER] })
+    }
+
+    /// Every value ever stored that is still there, oldest first: the last of a name counts.
+    ///
+    /// # Errors
+    /// [`StorageError`]; what came before it is good.
+    pub fn load(&mut self, mut each: impl FnMut(&Name, f32)) -> Result<(), StorageError<F::Error>> {
+        let (map, buffer) = (&mut self.map, &mut self.buffer);
+        let all = async {
+            let mut items = map.fetch_all_items(buffer).await?;
+            while let Some((name, value)) = items.next::<f32>(buffer).await? {
+                each(&name, value);
+            }
+            Ok(())
+        };
+        now(all).unwrap_or(Ok(())).map_err(said)
+    }
+
+    /// Stores a value. May erase a page.
+    ///
+    /// # Errors
+    /// [`StorageError`]; the old value is still there.
+    pub fn store(&mut self, name: &Name, value: f32) -> Result<(), StorageError<F::Error>> {
+        now(self.map.store_item(&mut self.buffer, name, &value)).unwrap_or(Ok(())).map_err(said)
+    }
+
+    /// Forgets everything.
+    ///
+    /// # Errors
+    /// What the flash says.
+    pub fn erase(&mut self) -> Result<(), StorageError<F::Error>> {
+        now(self.map.erase_all()).unwrap_or(Ok(())).map_err(said)
+    }
+
+    /// The flash, for whoever owns it.
+    pub fn into_flash(self) -> F {
+        self.map.destroy().0.flash
+    }
+}
