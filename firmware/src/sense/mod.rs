@@ -81,6 +81,8 @@ pub struct SenseState<S: Scalar> {
     temperature: f32,
 }
 
+/// No motion capture sees farther, m.
+const CAPTURE_FAR: f32 = 1e4;
 /// A tether length older than this counts as lost.
 const TETHER_TIMEOUT_US: u64 = 500_000;
 
@@ -89,7 +91,8 @@ fn finite<S: Scalar>(v: [f32; 3]) -> Option<World<V3<S>>> {
 }
 
 fn captured<S: Scalar>(sample: Sample<RawCapture>) -> Option<Sample<Capture<S>>> {
-    let position = finite(sample.value.position)?;
+    let position = finite(sample.value.position)
+        .filter(|_| sample.value.position.iter().all(|x| x.abs() < CAPTURE_FAR))?;
     let heading = sample.value.heading.filter(|x| x.abs() < 100.0).map(S::from_f32);
     Some(Sample { at: sample.at, value: Capture { position, heading } })
 }

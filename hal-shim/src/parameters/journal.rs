@@ -20,6 +20,8 @@ pub(super) struct Journalled<F> {
     pub(super) flash: F,
     /// Address of the journal.
     pub(super) journal: u32,
+    /// End of the pages that it watches.
+    pub(super) end: u32,
 }
 
 fn announcement(address: u32) -> [u8; ENTRY] {
@@ -36,36 +38,41 @@ fn announced(entry: [u8; ENTRY]) -> Option<u32> {
 }
 
 impl<F: NorFlash> Journalled<F> {
+    fn entries(&self) -> impl Iterator<Item = u32> + use<F> {
+        (self.journal..self.journal + F::ERASE_SIZE as u32).step_by(ENTRY)
+    }
+
+    fn entry(&mut self, at: u32) -> Result<[u8; ENTRY], F::Error> {
+        let mut entry = [0; ENTRY];
+        self.flash.read(at, &mut entry)?;
+        Ok(entry)
+    }
+
     /// Ends what a cut left.
     pub(super) fn recover(&mut self) -> Result<(), F::Error> {
-        while let Some((at, page)) = self.find(|entry| announced(entry).is_some())? {
-            if let Some(page) = announced(page) {
-                self.flash.erase(page, page.saturating_add(F::ERASE_SIZE as u32))?;
+        let page = F::ERASE_SIZE as u32;
+        for at in self.entries() {
+            let Some(from) = announced(self.entry(at)?) else { continue };
+            // What was here before us may look like an announcement of anything.
+            let is_ours = from > self.journal && from < self.end && from.is_multiple_of(page);
+            if is_ours {
+                self.flash.erase(from, from + page)?;
             }
             self.flash.write(at, &STRUCK)?;
         }
         Ok(())
     }
 
-    /// The first entry of a kind, and its address.
-    fn find(
-        &mut self,
-        is_wanted: impl Fn([u8; ENTRY]) -> bool,
-    ) -> Result<Option<(u32, [u8; ENTRY])>, F::Error> {
-        let end = self.journal + F::ERASE_SIZE as u32;
-        for at in (self.journal..end).step_by(ENTRY) {
-            let mut entry = [0; ENTRY];
-            self.flash.read(at, &mut entry)?;
-            if is_wanted(entry) {
-                return Ok(Some((at, entry)));
+    fn erase_page(&mut self, page: u32) -> Result<(), F::Error> {
+        let mut blank = None;
+        for at in self.entries() {
+            if self.entry(at)? == BLANK {
+                blank = Some(at);
+                break;
             }
         }
-        Ok(None)
-    }
-
-    fn erase_page(&mut self, page: u32) -> Result<(), F::Error> {
-        let at = match self.find(|entry| entry == BLANK)? {
-            Some((at, _)) => at,
+        let at = match blank {
+            Some(at) => at,
             None => {
                 self.flash.erase(self.journal, self.journal + F::ERASE_SIZE as u32)?;
                 self.journal

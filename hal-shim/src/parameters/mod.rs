@@ -72,8 +72,9 @@ impl<F: NorFlash> ParameterStore<F> {
         if data.start > data.end {
             return Err(StorageError::Range);
         }
+        let end = data.end;
         let config = MapConfig::try_new(data).map_err(|_| StorageError::Range)?;
-        let mut flash = Journalled { flash, journal };
+        let mut flash = Journalled { flash, journal, end };
         flash.recover().map_err(StorageError::Flash)?;
         let map = MapStorage::new(flash, config, Cache::new_uncached());
         Ok(Self { map, buffer: [0; BUFFER] })

@@ -153,35 +153,28 @@ impl PendulumPlant {
 mod tests {
     use super::*;
 
+    const PLANT: PendulumPlant = PendulumPlant {
+        vehicle_mass: 0.3,
+        load_mass: 0.05,
+        length: 0.7,
+        gravity: 9.81,
+        lag: 0.0,
+        drag: 0.0,
+    };
+
     #[test]
     fn without_thrust_rod_and_vehicle_fall_together() {
-        let plant = PendulumPlant {
-            vehicle_mass: 0.3,
-            load_mass: 0.05,
-            length: 0.7,
-            gravity: 9.81,
-            lag: 0.0,
-            drag: 0.0,
-        };
         let mut x = PendulumTruth::at_rest(V3::zeros(), V3::new(0.3, 0.1, -1.0));
         let rod = x.rod;
         let action = PendulumAction { thrust: 0.0, rate: V3::zeros(), disturbance: V3::zeros() };
         for _ in 0..1000 {
-            x = plant.step(&x, &action, 1e-3);
+            x = PLANT.step(&x, &action, 1e-3);
         }
         assert!((x.velocity - V3::z() * 9.81).norm() < 1e-9 && (x.rod - rod).norm() < 1e-9);
     }
 
     #[test]
     fn energy_is_kept_under_no_force_but_gravity() {
-        let plant = PendulumPlant {
-            vehicle_mass: 0.3,
-            load_mass: 0.05,
-            length: 0.7,
-            gravity: 9.81,
-            lag: 0.0,
-            drag: 0.0,
-        };
         let energy = |x: &PendulumTruth| {
             let vehicle = x.vehicle_velocity(0.7);
             let height = (x.position - x.rod * 0.7).z * 0.3 + x.position.z * 0.05;
@@ -193,7 +186,7 @@ mod tests {
         let action =
             PendulumAction { thrust: 0.0, rate: V3::new(1.0, 2.0, 3.0), disturbance: V3::zeros() };
         for _ in 0..500 {
-            x = plant.step(&x, &action, 1e-3);
+            x = PLANT.step(&x, &action, 1e-3);
         }
         assert!((energy(&x) - before).abs() < 1e-8, "{}", energy(&x) - before);
     }
