@@ -79,8 +79,19 @@ fn a_load_at_rest_goes_where_a_position_target_sends_it() {
         target_component: 1,
         ..mav::SET_POSITION_TARGET_LOCAL_NED_DATA::default()
     };
-    let bytes = Voice::new(255, 190).frame(&target);
-    flight.world.receive(&bytes, &mut |_| {});
+    let mut voice = Voice::new(255, 190);
+    let mut say = |flight: &mut Flight<Vec<u8>>, z: f32| {
+        let bytes = voice.frame(&mav::SET_POSITION_TARGET_LOCAL_NED_DATA { z, ..target.clone() });
+        flight.world.receive(&bytes, &mut |_| {});
+        run(flight, 0.05);
+    };
+    say(&mut flight, -0.8);
+    assert!(told(&flight, "vehicle too near the ground"));
+    // Programs repeat their set-point.
+    for _ in 0..20 {
+        say(&mut flight, -2.5);
+    }
+    assert!(!told(&flight, "on its way"));
     run(&mut flight, 12.0);
     let plant = &flight.world.plant;
     let load = plant.rod.as_ref().unwrap().load(&plant.body.position);

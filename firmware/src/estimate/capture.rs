@@ -116,3 +116,46 @@ impl<S: Scalar> CaptureFilter<S> {
         state.at = sample.at;
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn sample(us: u64, x: f64) -> Sample<Capture<f64>> {
+        let position = World(V3::new(x, 0.0, -1.0));
+        Sample { at: Micros(us), value: Capture { position, heading: None } }
+    }
+
+    /// At 1 m/s, samples 20 ms late, 83 a second.
+    fn flown(filter: &CaptureFilter<f64>, seconds: u64) -> CaptureState<f64> {
+        let mut state = filter.start(&sample(0, -0.02));
+        let hover = World(V3::new(0.0, 0.0, -GRAVITY));
+        for ms in (4..=seconds * 1000).step_by(4) {
+            filter.predict(&mut state, &hover);
+            if ms % 12 == 0 {
+                filter.correct(&mut state, &sample(ms * 1000, ms as f64 * 1e-3 - 0.02));
+            }
+        }
+        state
+    }
+
+    #[test]
+    fn late_samples_of_a_steady_motion_leave_no_error() {
+        let state = flown(&CaptureFilter::new(&Params::default()), 6);
+        let off = state.position.0 - V3::new(6.0, 0.0, -1.0);
+        assert!(off.norm() < 1e-3 && (state.velocity.0.x - 1.0).abs() < 1e-3, "{off} {state:?}");
+    }
+
+    #[test]
+    fn a_wild_sample_is_left_out_and_a_row_of_them_believed() {
+        let filter = CaptureFilter::new(&Params::default());
+        let mut state = flown(&filter, 6);
+        let before = state.position;
+        for k in 1..u64::from(OUTLIERS) {
+            filter.correct(&mut state, &sample(6_000_000 + k * 10_000, 50.0));
+            assert_eq!(state.position, before);
+        }
+        filter.correct(&mut state, &sample(6_100_000, 50.0));
+        assert!((state.position.0.x - 50.0).abs() < 1e-9);
+    }
+}

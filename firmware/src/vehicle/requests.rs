@@ -13,7 +13,7 @@ use crate::time::Micros;
 use crate::trajectory::Plan;
 
 /// Set-points closer than this in every coordinate are the same, m.
-const SAME_PLACE: f64 = 0.01;
+pub(super) const SAME_PLACE: f64 = 0.01;
 
 /// Refused, and why.
 pub(super) type Refusal = (Outcome, &'static str);
@@ -23,6 +23,11 @@ pub(super) const fn rejected(text: &'static str) -> Refusal {
 }
 pub(super) const fn denied(text: &'static str) -> Refusal {
     (Outcome::Denied, text)
+}
+
+pub(super) fn check_heading(yaw: Option<f32>) -> Result<(), Refusal> {
+    let is_bad = |yaw: f32| !yaw.is_finite() || yaw.abs() > 100.0;
+    if yaw.is_some_and(is_bad) { Err(denied("Move refused: not a number")) } else { Ok(()) }
 }
 
 impl<S: Scalar> Vehicle<S> {
@@ -42,7 +47,9 @@ impl<S: Scalar> Vehicle<S> {
             Action::MoveTo { ned, .. } if self.state.mode.purpose().is_some() => {
                 self.move_taut_to(ned)
             }
-            Action::MoveTo { ned, .. } if self.state.mode == Mode::Pendulum => self.move_load(ned),
+            Action::MoveTo { ned, yaw } if self.state.mode == Mode::Pendulum => {
+                self.move_load(ned, yaw)
+            }
             Action::MoveTo { ned, yaw } => self.move_to(ned, yaw),
             Action::MoveTether { elevation, tension, .. }
                 if self.state.mode.purpose().is_some() =>
@@ -100,6 +107,10 @@ impl<S: Scalar> Vehicle<S> {
         state.landed_at = None;
         state.ground = GroundState::OnGround;
         state.tension = self.config.tension_low;
+        if self.config.link == Link::Free {
+            // Nothing points anywhere: as it was put down.
+            (.., state.yaw) = state.estimate.attitude.euler();
+        }
         events.push(Event::info("Armed"));
         Ok(())
     }
@@ -238,9 +249,7 @@ impl<S: Scalar> Vehicle<S> {
         let [north, east, down] = ned;
         let to =
             World(V3::new(north.unwrap_or(here.x), east.unwrap_or(here.y), down.unwrap_or(here.z)));
-        if yaw.is_some_and(|yaw| !yaw.is_finite() || yaw.abs() > 100.0) {
-            return Err(denied("Move refused: not a number"));
-        }
+        check_heading(yaw)?;
         if ned.iter().any(Option::is_some) {
             let mut to_point = SphericalPoint::from_world(&to);
             if self.config.link == Link::FixedLength {

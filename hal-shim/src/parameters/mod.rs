@@ -37,10 +37,10 @@ pub enum StorageError<E> {
 }
 
 /// Nothing in here ever waits, so the first poll is the last.
-fn now<T>(future: impl Future<Output = T>) -> Option<T> {
+fn now<T, E>(future: impl Future<Output = T>) -> Result<T, StorageError<E>> {
     match pin!(future).poll(&mut Context::from_waker(Waker::noop())) {
-        Poll::Ready(value) => Some(value),
-        Poll::Pending => None,
+        Poll::Ready(value) => Ok(value),
+        Poll::Pending => Err(StorageError::Corrupted),
     }
 }
 
@@ -93,7 +93,7 @@ impl<F: NorFlash> ParameterStore<F> {
             }
             Ok(())
         };
-        now(all).unwrap_or(Ok(())).map_err(said)
+        now(all)?.map_err(said)
     }
 
     /// Stores a value. May erase a page.
@@ -101,7 +101,7 @@ impl<F: NorFlash> ParameterStore<F> {
     /// # Errors
     /// [`StorageError`]; the old value is still there.
     pub fn store(&mut self, name: &Name, value: f32) -> Result<(), StorageError<F::Error>> {
-        now(self.map.store_item(&mut self.buffer, name, &value)).unwrap_or(Ok(())).map_err(said)
+        now(self.map.store_item(&mut self.buffer, name, &value))?.map_err(said)
     }
 
     /// Forgets everything.
@@ -109,7 +109,7 @@ impl<F: NorFlash> ParameterStore<F> {
     /// # Errors
     /// What the flash says.
     pub fn erase(&mut self) -> Result<(), StorageError<F::Error>> {
-        now(self.map.erase_all()).unwrap_or(Ok(())).map_err(said)
+        now(self.map.erase_all())?.map_err(said)
     }
 
     /// The flash, for whoever owns it.

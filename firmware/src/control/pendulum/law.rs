@@ -1,10 +1,10 @@
 //! The law with its limits and guards: thrust and body rates from estimate and reference. `pendulum`
 //! sections 6 and 11.
 
+use super::PendulumGains;
 use super::body_rate::body_rate;
 use super::force_rate::ForceRate;
 use super::guidance::Guidance;
-use super::{GainConditions, PendulumGains};
 use crate::estimate::pendulum::PendulumEstimate;
 use crate::fault::{Fault, Invalid, all_finite, not_negative, positive};
 use crate::frames::{Attitude, Body, V3};
@@ -62,7 +62,7 @@ pub struct PendulumControl<S: Scalar> {
     limits: PendulumLimits<S>,
 }
 
-/// Where the vehicle's down axis was last wanted, and its derivative: held where the wanted force vanishes.
+/// Where the vehicle's down axis was last wanted: held where the wanted force vanishes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PendulumMemory<S: Scalar> {
     down: V3<S>,
@@ -101,18 +101,6 @@ impl<S: Scalar> PendulumControl<S> {
         positive("thrust_max", limits.thrust_max)?;
         positive("rate_max", limits.rate_max)?;
         Ok(Self { gains: gains.validate()?, model, limits })
-    }
-
-    /// Of the proof, for these gains.
-    #[must_use]
-    pub fn conditions(&self) -> GainConditions<S> {
-        self.gains.conditions()
-    }
-
-    /// Limits in force.
-    #[must_use]
-    pub fn limits(&self) -> &PendulumLimits<S> {
-        &self.limits
     }
 
     /// One step.

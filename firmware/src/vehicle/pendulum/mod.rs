@@ -11,7 +11,7 @@ pub(super) use observe::RodWatch;
 pub(super) use path::LoadPath;
 
 use super::Vehicle;
-use super::requests::{Refusal, denied, rejected};
+use super::requests::{Refusal, check_heading, denied, rejected};
 use crate::control::AttitudeCommand;
 use crate::control::pendulum::{
     PendulumCommand, PendulumControl, PendulumGains, PendulumLimits, PendulumMemory,
@@ -33,6 +33,8 @@ use crate::trajectory::load::TiltedCircle;
 /// The observer must have run this long, s, and the rod be this slow, rad/s, at entry.
 const CONVERGED: f64 = 1.0;
 const SLOW: f64 = 1.0;
+/// Room between the vehicle and the ground, m.
+const CLEARANCE: f32 = 0.3;
 /// Outer steps per control step: 125 Hz.
 const CONTROL_EVERY: u8 = 2;
 
@@ -43,6 +45,7 @@ pub(super) struct PendulumMode<S: Scalar> {
     control: PendulumControl<S>,
     circle: TiltedCircle<S>,
     speed: S,
+    rise: S,
     soft_start: S,
     cos_cone: S,
     cos_tilt_max: S,
@@ -134,6 +137,7 @@ impl<S: Scalar> PendulumMode<S> {
             control: PendulumControl::try_new(gains(p), model, limits)?,
             circle: TiltedCircle::try_new(centre, radius, rise, f(p.pendulum_speed))?,
             speed: f(p.pendulum_speed),
+            rise,
             soft_start: f(p.pendulum_soft_start),
             cos_cone: f(libm::cosf(p.pendulum_cone)),
             cos_tilt_max: f(libm::cosf(p.pendulum_tilt_max)),
@@ -166,6 +170,10 @@ impl<S: Scalar> Vehicle<S> {
         if watch.age < S::lit(CONVERGED) || !is_slow {
             return Err(rejected("Mode refused: rod not at rest yet"));
         }
+        let dip = if mode.speed > S::zero() { mode.rise } else { S::zero() };
+        if -x.position.0.z - dip < self.lowest_load() {
+            return Err(rejected("Mode refused: too near the ground"));
+        }
         let path = LoadPath::enter(&x, &mode.circle, mode.speed, mode.soft_start);
         let thrust = self.state.estimate.thrust;
         self.enter(Mode::Pendulum);
@@ -186,14 +194,34 @@ impl<S: Scalar> Vehicle<S> {
     }
 
     /// Moves the place where the load stays.
-    pub(super) fn move_load(&mut self, ned: [Option<f32>; 3]) -> Result<(), Refusal> {
+    pub(super) fn move_load(
+        &mut self,
+        ned: [Option<f32>; 3],
+        yaw: Option<f32>,
+    ) -> Result<(), Refusal> {
+        check_heading(yaw)?;
+        let lowest = self.lowest_load().to_f32();
         let Some(flight) = &mut self.state.pendulum_flight else {
             return Err(rejected("Move refused: not in Pendulum"));
         };
         if ned.iter().flatten().any(|x| x.is_nan() || x.abs() > self.params.length_max) {
             return Err(denied("Move refused: out of range"));
         }
-        flight.path.go(ned.map(|x| x.map(S::from_f32)))
+        let [.., down] = ned;
+        if down.is_some_and(|down| -down < lowest) {
+            return Err(denied("Move refused: vehicle too near the ground"));
+        }
+        flight.path.go(ned.map(|x| x.map(S::from_f32)))?;
+        if let Some(yaw) = yaw {
+            self.state.yaw = S::from_f32(yaw);
+        }
+        Ok(())
+    }
+
+    /// Least height of the load that keeps the vehicle below it off the ground, m.
+    fn lowest_load(&self) -> S {
+        let p = &self.params;
+        S::from_f32(p.pendulum_length + p.ground_height + CLEARANCE)
     }
 
     fn leave_pendulum(&mut self, text: &'static str, events: &mut EventQueue) {

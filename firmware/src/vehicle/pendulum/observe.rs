@@ -59,7 +59,7 @@ impl<S: Scalar> Vehicle<S> {
         }
     }
 
-    fn now_and_then(&self) -> Past<S> {
+    fn as_of_now(&self) -> Past<S> {
         Past {
             down: so3::col_z(&self.state.estimate.attitude.0),
             thrust: self.state.estimate.thrust,
@@ -80,7 +80,7 @@ impl<S: Scalar> Vehicle<S> {
 
     fn start_watch(&self, rod: &World<V3<S>>, at: Micros) -> Option<RodWatch<S>> {
         let mode = self.config.pendulum.as_ref()?;
-        let now = self.now_and_then();
+        let now = self.as_of_now();
         let z = PendulumReading { rod: Some(*rod), ..self.reading(&now)? };
         let (observer, estimate) = mode.observer.start(&z)?;
         let past = History::constant(now);
@@ -92,7 +92,7 @@ impl<S: Scalar> Vehicle<S> {
     pub(in crate::vehicle) fn observe_rod(&mut self, now: Micros) {
         let Some(mut watch) = self.state.rod else { return };
         self.state.rod = None;
-        let present = self.now_and_then();
+        let present = self.as_of_now();
         let Some(mode) = &self.config.pendulum else { return };
         if !watch.is_fresh(mode.timeout_us, now) {
             return;

@@ -6,7 +6,7 @@ use crate::math::so3;
 use crate::scalar::Scalar;
 use crate::signal::LoadReference;
 use crate::trajectory::load::{FadeIn, LoadMove, TiltedCircle};
-use crate::vehicle::requests::{Refusal, rejected};
+use crate::vehicle::requests::{Refusal, SAME_PLACE, rejected};
 
 /// Peak slope of the C5 step: peak speed is this times distance over duration.
 const PEAK_SLOPE: f64 = 2.707;
@@ -70,8 +70,10 @@ impl<S: Scalar> LoadPath<S> {
 
     /// To another place, m; `None` keeps a coordinate. Only from rest.
     pub fn go(&mut self, ned: [Option<S>; 3]) -> Result<(), Refusal> {
-        let Shape::Stay(from) = self.shape else {
-            return Err(rejected("Move refused: the load is on its way"));
+        let from = match &self.shape {
+            Shape::Stay(at) => *at,
+            Shape::Move(way) => way.end(),
+            Shape::Circle(..) => return Err(rejected("Move refused: the load is on a circle")),
         };
         let [north, east, down] = ned;
         let to = World(V3::new(
@@ -80,6 +82,13 @@ impl<S: Scalar> LoadPath<S> {
             down.unwrap_or(from.0.z),
         ));
         let distance = so3::norm(&(to.0 - from.0));
+        // Programs repeat their set-point.
+        if distance < S::lit(SAME_PLACE) {
+            return Ok(());
+        }
+        if matches!(self.shape, Shape::Move(_)) {
+            return Err(rejected("Move refused: the load is on its way"));
+        }
         let duration = (distance * S::lit(PEAK_SLOPE / SPEED)).max(S::lit(SHORTEST));
         if let Ok(way) = LoadMove::try_new(from, to, duration) {
             self.shape = Shape::Move(way);
