@@ -60,15 +60,15 @@ impl<W: Write> Flight<W> {
         let world = &mut self.world;
         self.pilot.step(&out, time, &mut |frame| world.receive(frame, send));
         if let Some(walk) = self.pilot.take_walk() {
-            self.world.plant.anchor.go(walk);
+            self.world.outside.plant.anchor.go(walk);
         }
         if self.pilot.take_catch()
-            && let Some(rod) = &mut self.world.plant.rod
+            && let Some(rod) = &mut self.world.outside.plant.rod
         {
             rod.catch();
         }
-        self.metrics.step(&out, &self.world.plant, self.pilot.is_holding());
-        self.recorder.write(&out, &self.world.plant);
+        self.metrics.step(&out, &self.world.outside.plant, self.pilot.is_holding());
+        self.recorder.write(&out, &self.world.outside.plant);
         self.events.extend(out.events.iter().map(|event| (time, *event)));
         out
     }

@@ -17,6 +17,7 @@ pub mod inject;
 pub mod integrate;
 pub mod localization;
 pub mod metrics;
+pub mod outside;
 pub mod parallel;
 pub mod params_file;
 pub mod pendulum;

@@ -118,8 +118,10 @@ pub struct Ulog {
 impl Ulog {
     /// File header, flag bits and who wrote it.
     pub fn start(&mut self, now: Micros, system: &str, version: &str, sink: Sink) {
-        sink(&MAGIC);
-        sink(&now.0.to_le_bytes());
+        let mut header = Body::default();
+        header.bytes(&MAGIC);
+        header.bytes(&now.0.to_le_bytes());
+        sink(&header.0);
         self.bytes += 16;
         self.message(b'B', sink, |body| body.bytes(&[0; 40]));
         self.info("sys_name", system, sink);
@@ -188,6 +190,11 @@ impl Ulog {
         });
     }
 
+    /// Says that messages were left out for want of room, for so long, ms.
+    pub fn dropout(&mut self, duration_ms: u16, sink: Sink) {
+        self.message(b'O', sink, |body| body.bytes(&duration_ms.to_le_bytes()));
+    }
+
     /// One line of text with a syslog level (0 emergency to 7 debug).
     pub fn text(&mut self, now: Micros, level: u8, text: &str, sink: Sink) {
         self.message(b'L', sink, |body| {
@@ -197,12 +204,16 @@ impl Ulog {
         });
     }
 
+    /// One call of the sink per message, so that one that finds no room can be left out whole.
     fn message(&mut self, kind: u8, sink: Sink, fill: impl FnOnce(&mut Body)) {
-        let mut body = Body::default();
-        fill(&mut body);
-        let [low, high] = (body.0.len() as u16).to_le_bytes();
-        sink(&[low, high, kind]);
-        sink(&body.0);
-        self.bytes += 3 + body.0.len() as u64;
+        let mut message = Body::default();
+        message.bytes(&[0, 0, kind]);
+        fill(&mut message);
+        let [low, high] = (message.0.len().saturating_sub(3) as u16).to_le_bytes();
+        for (slot, byte) in message.0.iter_mut().zip([low, high]) {
+            *slot = byte;
+        }
+        sink(&message.0);
+        self.bytes += message.0.len() as u64;
     }
 }

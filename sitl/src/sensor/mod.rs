@@ -10,23 +10,21 @@ use crate::plant::{Plant, generator};
 use crate::scenario::{FaultKind, SensorSection};
 use errors::{Altitude, Inertial};
 use rand_pcg::Pcg64Mcg;
+use tautline_board::flight::{raw_imu, scale};
+use tautline_board::slow::{BAROMETER_MS, SlowDevices};
 use tautline_firmware::sense::{ImuScale, Mounting, RawSensors};
-use tautline_firmware::signal::{RawBarometer, RawBattery, RawImu, RawRange, RawTether};
-use tautline_firmware::time::{INNER_HZ, Micros, Sample};
-use tautline_hal_shim::barometer::dps310::{self, Dps310};
+use tautline_firmware::signal::RawTether;
+use tautline_firmware::time::{Micros, Sample};
 use tautline_hal_shim::battery::BatteryMonitor;
 use tautline_hal_shim::fake::{FakeClock, FakeDps310, FakeIcm42688, FakePin, FakeTfMini};
 use tautline_hal_shim::imu::icm42688::{self, Icm42688};
-use tautline_hal_shim::rangefinder::tfmini::TfMini;
 
 /// Rangefinder below the centre of mass, as the parameter's default says, m.
 const RANGE_OFFSET: f64 = 0.03;
 /// Divider and shunt amplifier of the reference board.
 const VOLTS_PER_VOLT: f64 = 11.0;
 const AMPS_PER_VOLT: f64 = 25.0;
-/// Slow devices are read every so many milliseconds.
-const BAROMETER_MS: u64 = 10;
-const BATTERY_MS: u64 = 20;
+/// The winch speaks every so many milliseconds.
 const WINCH_MS: u64 = 20;
 
 /// All devices of the vehicle, and the winch's encoder.
@@ -38,84 +36,97 @@ pub struct SensorSuite {
     altitude: Altitude,
     noise: SensorSection,
     imu: Icm42688<FakeIcm42688>,
-    barometer: Dps310<FakeDps310>,
-    range: TfMini<FakeTfMini>,
-    battery: BatteryMonitor<FakePin, FakePin>,
+    slow: SlowDevices<FakeDps310, FakeTfMini, FakePin, FakePin>,
+    winch: Option<RawTether>,
 }
 
 impl SensorSuite {
-    /// Powers the devices up and runs the drivers' set-up.
-    ///
-    /// # Errors
-    /// What a driver says.
-    pub fn power_up(noise: &SensorSection, clock: FakeClock, seed: u64) -> Result<Self, String> {
+    /// Devices under power that nobody has set up yet.
+    #[must_use]
+    pub fn new(noise: &SensorSection, clock: FakeClock, seed: u64) -> Self {
         let mut rng = generator(seed, 2);
-        let mut delay = clock.clone();
-        let mut imu = Icm42688::new(FakeIcm42688::new(clock.clone()), icm42688::Config::default());
-        imu.init(&mut delay).map_err(|e| format!("ICM-42688-P: {e:?}"))?;
-        let mut barometer = Dps310::new(FakeDps310::new(clock.clone()), dps310::ADDRESS);
-        barometer.init(&mut delay).map_err(|e| format!("DPS310: {e:?}"))?;
-        let mut range = TfMini::new(FakeTfMini::new(clock.clone()));
-        range.bus_mut().lose_byte_every = noise.range_lost_bytes;
-        Ok(Self {
+        let imu = Icm42688::new(FakeIcm42688::new(clock.clone()), icm42688::Config::default());
+        let mut range = FakeTfMini::new(clock.clone());
+        range.lose_byte_every = noise.range_lost_bytes;
+        let pins = BatteryMonitor::new(FakePin::default(), FakePin::default());
+        Self {
             inertial: Inertial::new(noise, &mut rng),
             altitude: Altitude::default(),
             noise: noise.clone(),
-            battery: BatteryMonitor::new(FakePin::default(), FakePin::default()),
+            slow: SlowDevices::new(FakeDps310::new(clock.clone()), range, pins),
+            winch: None,
             clock,
             rng,
             imu,
-            barometer,
-            range,
-        })
+        }
+    }
+
+    /// Runs the drivers' set-up.
+    ///
+    /// # Errors
+    /// What a driver says.
+    pub fn set_up(&mut self) -> Result<(), String> {
+        let mut delay = self.clock.clone();
+        self.imu.init(&mut delay).map_err(|e| format!("ICM-42688-P: {e:?}"))?;
+        self.slow.set_up(&mut delay).map_err(|e| format!("DPS310: {e:?}"))
+    }
+
+    /// The devices on their buses, for a reader outside: inertial sensor, barometer, rangefinder, pins.
+    pub fn buses(
+        &mut self,
+    ) -> (&mut FakeIcm42688, &mut FakeDps310, &mut FakeTfMini, (&mut FakePin, &mut FakePin)) {
+        let SlowDevices { barometer, range, battery, .. } = &mut self.slow;
+        (self.imu.bus_mut(), barometer.bus_mut(), range.bus_mut(), battery.pins_mut())
+    }
+
+    /// What the winch says in this millisecond.
+    #[must_use]
+    pub fn winch(&self) -> Option<RawTether> {
+        self.winch
     }
 
     /// What one count of the inertial sensor means.
     #[must_use]
     pub fn scale(&self) -> ImuScale {
-        ImuScale { gyro: self.imu.gyro_scale(), accel: self.imu.accel_scale(), rate_hz: INNER_HZ }
+        scale(&self.imu)
     }
 
-    /// One millisecond: expose the devices to the world and read them.
-    pub fn read(&mut self, plant: &Plant, faults: &Faults, mounting: Mounting) -> RawSensors {
+    /// One millisecond: lets the devices see the world. Whoever reads them is another matter.
+    pub fn expose(&mut self, plant: &Plant, faults: &Faults, mounting: Mounting) {
         let us = self.clock.now_us();
         let (ms, time) = (us / 1000, us as f64 * 1e-6);
-        let at = Micros(us);
-        let is_present = |kind| faults.is_present(kind, time);
-        RawSensors {
-            imu: (!is_present(FaultKind::ImuSilent))
-                .then(|| self.read_imu(plant, faults, mounting, time))
-                .flatten()
-                .map(|value| Sample { at, value }),
-            barometer: ms
-                .is_multiple_of(BAROMETER_MS)
-                .then(|| self.read_barometer(plant, faults, time))
-                .flatten()
-                .map(|value| Sample { at, value }),
-            range: self.read_range(plant, faults, time).map(|value| Sample { at, value }),
-            battery: ms
-                .is_multiple_of(BATTERY_MS)
-                .then(|| self.read_battery(plant))
-                .flatten()
-                .map(|value| Sample { at, value }),
-            tether: (ms.is_multiple_of(WINCH_MS)
-                && plant.model().tether.winch.is_some()
-                && !is_present(FaultKind::WinchSilent))
-            .then(|| self.read_winch(plant))
-            .map(|value| Sample { at, value }),
-            // Motion capture comes by the link.
-            capture: None,
-            rod: None,
+        if !faults.is_present(FaultKind::ImuSilent, time) {
+            self.expose_imu(plant, faults, mounting, time);
         }
+        if ms.is_multiple_of(BAROMETER_MS) {
+            self.expose_barometer(plant, faults, time);
+        }
+        self.expose_range(plant, faults, time);
+        let (voltage, current) = self.slow.battery.pins_mut();
+        voltage.set_volts(plant.battery.voltage() / VOLTS_PER_VOLT);
+        current.set_volts(plant.battery.current / AMPS_PER_VOLT);
+        let has_winch = plant.model().tether.winch.is_some();
+        let speaks = has_winch && !faults.is_present(FaultKind::WinchSilent, time);
+        self.winch = (speaks && ms.is_multiple_of(WINCH_MS)).then(|| self.winch_length(plant));
     }
 
-    fn read_imu(
-        &mut self,
-        plant: &Plant,
-        faults: &Faults,
-        mounting: Mounting,
-        time: f64,
-    ) -> Option<RawImu> {
+    /// One millisecond: exposes the devices to the world and reads them.
+    pub fn read(&mut self, plant: &Plant, faults: &Faults, mounting: Mounting) -> RawSensors {
+        self.expose(plant, faults, mounting);
+        let at = Micros(self.clock.now_us());
+        let is_silent = faults.is_present(FaultKind::ImuSilent, at.0 as f64 * 1e-6);
+        let imu = if is_silent { None } else { self.imu.read_all().ok() };
+        // Motion capture comes by the link.
+        let mut sensors = RawSensors {
+            imu: imu.map(|reading| Sample { at, value: raw_imu(&reading) }),
+            tether: self.winch.map(|value| Sample { at, value }),
+            ..RawSensors::default()
+        };
+        self.slow.poll(at, &mut sensors);
+        sensors
+    }
+
+    fn expose_imu(&mut self, plant: &Plant, faults: &Faults, mounting: Mounting, time: f64) {
         let extra = faults.value(FaultKind::GyroBias, time).unwrap_or(0.0);
         let (accel, gyro, temperature) =
             self.inertial.sample(&self.noise, plant, extra, &mut self.rng);
@@ -127,50 +138,28 @@ impl SensorSuite {
             to_chip(mounting, gyro.into()),
             temperature,
         );
-        let reading = self.imu.read_all().ok()?;
-        Some(RawImu { accel: reading.accel, gyro: reading.gyro, temperature: reading.temperature })
     }
 
-    fn read_barometer(
-        &mut self,
-        plant: &Plant,
-        faults: &Faults,
-        time: f64,
-    ) -> Option<RawBarometer> {
+    fn expose_barometer(&mut self, plant: &Plant, faults: &Faults, time: f64) {
         let dt = BAROMETER_MS as f64 * 1e-3;
         let pressure = self.altitude.pressure(&self.noise, plant.body.height(), dt, &mut self.rng);
-        let part = self.barometer.bus_mut();
+        let part = self.slow.barometer.bus_mut();
         part.is_dead = faults.is_present(FaultKind::BarometerLost, time)
             || faults.is_present(FaultKind::AltimeterLost, time);
         part.set_air(pressure, 24.0);
-        let reading = self.barometer.poll().ok().flatten()?;
-        Some(RawBarometer {
-            pressure_centipascal: (f64::from(reading.pressure) * 100.0).round() as i32,
-            temperature: reading.temperature,
-        })
     }
 
-    fn read_range(&mut self, plant: &Plant, faults: &Faults, time: f64) -> Option<RawRange> {
-        let part = self.range.bus_mut();
+    fn expose_range(&mut self, plant: &Plant, faults: &Faults, time: f64) {
+        let part = self.slow.range.bus_mut();
         part.is_dead = faults.is_present(FaultKind::RangefinderLost, time)
             || faults.is_present(FaultKind::AltimeterLost, time);
         if part.is_due() {
             let distance = self.altitude.range(&self.noise, plant, RANGE_OFFSET, &mut self.rng);
             part.set_distance(distance);
         }
-        let reading = self.range.poll().ok().flatten()?;
-        Some(RawRange { distance_cm: reading.distance_cm })
     }
 
-    fn read_battery(&mut self, plant: &Plant) -> Option<RawBattery> {
-        let (voltage, current) = self.battery.pins_mut();
-        voltage.set_volts(plant.battery.voltage() / VOLTS_PER_VOLT);
-        current.set_volts(plant.battery.current / AMPS_PER_VOLT);
-        let reading = self.battery.read().ok()?;
-        Some(RawBattery { voltage_mv: reading.voltage_mv, current_mv: reading.current_mv })
-    }
-
-    fn read_winch(&mut self, plant: &Plant) -> RawTether {
+    fn winch_length(&mut self, plant: &Plant) -> RawTether {
         let length =
             plant.tether.distance + self.noise.length_noise * crate::plant::normal(&mut self.rng);
         RawTether { length_mm: (length.max(0.0) * 1000.0).round() as i32 }

@@ -4,7 +4,7 @@ use super::standard_mode;
 use crate::link::{Link, Sink, speaks_px4};
 use crate::param::Params;
 use crate::scalar::Scalar;
-use crate::signal::{Event, ImuHealth};
+use crate::signal::{Event, ImuHealth, Severity};
 use crate::supervisor::{MODES, ModeRule};
 use crate::vehicle::StepOutput;
 use mavlink::dialects::common as mav;
@@ -173,14 +173,18 @@ impl Link {
     }
 
     pub(in crate::link) fn send_text(&mut self, event: &Event, sink: Sink) {
-        use crate::signal::Severity;
+        self.say(event.severity, event.text, sink);
+    }
+
+    /// A STATUSTEXT; what is beyond 50 bytes is cut.
+    pub fn say(&mut self, severity: Severity, text: &str, sink: Sink) {
         use mav::MavSeverity as V;
-        let severity = match event.severity {
+        let severity = match severity {
             Severity::Critical => V::MAV_SEVERITY_CRITICAL,
             Severity::Error => V::MAV_SEVERITY_ERROR,
             Severity::Warning => V::MAV_SEVERITY_WARNING,
             Severity::Info => V::MAV_SEVERITY_INFO,
         };
-        self.send(&mav::STATUSTEXT_DATA { severity, text: CharArray::from(event.text) }, sink);
+        self.send(&mav::STATUSTEXT_DATA { severity, text: CharArray::from(text) }, sink);
     }
 }

@@ -1,0 +1,131 @@
+//! MAVLink on every port, and the flight log: everything that only reads what the step said.
+
+use crate::inbox::Inbox;
+use heapless::String;
+use tautline_firmware::link::Link;
+use tautline_firmware::log::FlightLog;
+use tautline_firmware::param::Params;
+use tautline_firmware::signal::Severity;
+use tautline_firmware::time::Micros;
+use tautline_firmware::vehicle::StepOutput;
+
+/// Where bytes go; false when there is no room for all of them, and then none went.
+pub type Port<'a> = &'a mut dyn FnMut(&[u8]) -> bool;
+
+/// One connection per port, and the log of the present flight.
+#[derive(Debug)]
+pub struct Comms<const PORTS: usize> {
+    links: [Link; PORTS],
+    /// Which connections have been told the notice.
+    told: [bool; PORTS],
+    notice: Option<String<50>>,
+    params: Params,
+    log: Log,
+}
+
+/// The log from arming to disarming.
+#[derive(Debug, Default)]
+struct Log {
+    log: Option<FlightLog>,
+    /// Since when messages have been left out.
+    full_since: Option<Micros>,
+}
+
+impl<const PORTS: usize> Comms<PORTS> {
+    /// `notice` goes to everybody who connects: what was left of a crash, say.
+    #[must_use]
+    pub fn new(params: Params, notice: Option<String<50>>) -> Self {
+        Self {
+            links: core::array::from_fn(|_| Link::new()),
+            told: [false; PORTS],
+            notice,
+            params,
+            log: Log::default(),
+        }
+    }
+
+    /// Bytes that arrived at a port.
+    pub fn receive(&mut self, port: usize, now: Micros, bytes: &[u8], out: Port) {
+        if let Some(link) = self.links.get_mut(port) {
+            link.receive(now, bytes, &self.params, &mut |frame| {
+                out(frame);
+            });
+        }
+    }
+
+    /// Hands over what the connections heard.
+    pub fn collect(&mut self, inbox: &mut Inbox) {
+        for link in &mut self.links {
+            inbox.hear(link);
+        }
+    }
+
+    /// The parameters have changed.
+    pub fn set_params(&mut self, params: &Params) {
+        self.params = *params;
+    }
+
+    /// Tells a port what the step said.
+    pub fn transmit(&mut self, port: usize, out: &StepOutput, sink: Port) {
+        let (Some(link), Some(told)) = (self.links.get_mut(port), self.told.get_mut(port)) else {
+            return;
+        };
+        let mut send = |frame: &[u8]| {
+            sink(frame);
+        };
+        link.transmit(out, &self.params, &mut send);
+        if !*told && link.heartbeat_at().is_some() {
+            *told = true;
+            if let Some(notice) = &self.notice {
+                link.say(Severity::Critical, notice, &mut send);
+            }
+        }
+    }
+
+    /// Logs what the step said, from arming to disarming.
+    pub fn log(&mut self, out: &StepOutput, file: &mut LogFile) {
+        self.log.write(out, &self.params, file);
+    }
+}
+
+/// What a log is told.
+pub struct LogFile<'a> {
+    /// A new file begins.
+    pub begin: &'a mut dyn FnMut(),
+    /// Bytes for it.
+    pub write: Port<'a>,
+    /// It ends.
+    pub end: &'a mut dyn FnMut(),
+}
+
+impl Log {
+    fn write(&mut self, out: &StepOutput, params: &Params, file: &mut LogFile) {
+        if out.is_armed && self.log.is_none() {
+            (file.begin)();
+            self.full_since = None;
+            let write = &mut file.write;
+            self.log = Some(FlightLog::start(out.now, params, |_, _| {}, &mut |bytes| {
+                write(bytes);
+            }));
+        }
+        let Some(log) = &mut self.log else { return };
+        if let Some(since) = self.full_since {
+            let gap = (out.now.0.saturating_sub(since.0) / 1000).min(u64::from(u16::MAX)) as u16;
+            let mut fits = true;
+            log.ulog.dropout(gap, &mut |bytes| fits &= (file.write)(bytes));
+            if !fits {
+                return;
+            }
+            self.full_since = None;
+        }
+        let mut fits = true;
+        log.write(out, &mut |bytes| fits &= (file.write)(bytes));
+        if !fits {
+            self.full_since = Some(out.now);
+        }
+        if !out.is_armed {
+            (file.end)();
+            self.log = None;
+        }
+    }
+}

@@ -1,0 +1,80 @@
+//! One inertial sample, at the highest priority: read, step, motors.
+
+use crate::inbox::Inbox;
+use embedded_hal::delay::DelayNs;
+use embedded_hal::pwm::SetDutyCycle;
+use embedded_hal::spi::SpiDevice;
+use tautline_firmware::param::Params;
+use tautline_firmware::sense::ImuScale;
+use tautline_firmware::signal::RawImu;
+use tautline_firmware::time::{INNER_HZ, Micros, Sample};
+use tautline_firmware::vehicle::{StepInput, StepOutput, Vehicle};
+use tautline_hal_shim::imu::icm42688::{self, Icm42688};
+use tautline_hal_shim::motors::{MotorOutputs, Protocol};
+
+/// Inertial sensor, core and motors.
+#[derive(Debug)]
+pub struct Flight<SPI, PWM> {
+    /// On its bus.
+    pub imu: Icm42688<SPI>,
+    /// On their timers.
+    pub motors: MotorOutputs<PWM>,
+    /// The autopilot.
+    pub vehicle: Vehicle,
+}
+
+/// What the ESCs are told in, by `MOT_PROTOCOL`.
+#[must_use]
+pub fn protocol(params: &Params) -> Protocol {
+    if params.output_protocol > 0.5 { Protocol::OneShot125 } else { Protocol::Pwm400 }
+}
+
+/// What one count of the sensor means.
+#[must_use]
+pub fn scale<SPI: SpiDevice>(imu: &Icm42688<SPI>) -> ImuScale {
+    ImuScale { gyro: imu.gyro_scale(), accel: imu.accel_scale(), rate_hz: INNER_HZ }
+}
+
+/// As the core takes it.
+#[must_use]
+pub fn raw_imu(reading: &icm42688::Reading) -> RawImu {
+    RawImu { accel: reading.accel, gyro: reading.gyro, temperature: reading.temperature }
+}
+
+impl<SPI: SpiDevice, PWM: SetDutyCycle> Flight<SPI, PWM> {
+    /// On the ground, disarmed; `spi` is the inertial sensor's.
+    pub fn new(spi: SPI, motors: MotorOutputs<PWM>, params: Params) -> Self {
+        let imu = Icm42688::new(spi, icm42688::Config::default());
+        let vehicle = Vehicle::new(params, scale(&imu));
+        Self { imu, motors, vehicle }
+    }
+
+    /// Sets the inertial sensor up.
+    ///
+    /// # Errors
+    /// The driver's. Without the sensor the vehicle does not arm.
+    pub fn set_up(&mut self, delay: &mut impl DelayNs) -> Result<(), icm42688::Error<SPI::Error>> {
+        self.imu.init(delay)
+    }
+
+    /// Reads the sensor if it `is_ready`.
+    pub fn read(&mut self, at: Micros, is_ready: bool) -> Option<Sample<RawImu>> {
+        let reading = if is_ready { self.imu.read_all().ok() } else { None };
+        reading.map(|reading| Sample { at, value: raw_imu(&reading) })
+    }
+
+    /// What the step gets.
+    pub fn gather(now: Micros, imu: Option<Sample<RawImu>>, inbox: &mut Inbox) -> StepInput {
+        let mut input = inbox.take(now);
+        input.sensors.imu = imu;
+        input
+    }
+
+    /// The step and the motors' pulses.
+    pub fn step(&mut self, input: &StepInput) -> StepOutput {
+        let out = self.vehicle.step(input);
+        // A timer's registers do not fail.
+        let _ = self.motors.write(&out.actuation.throttle);
+        out
+    }
+}

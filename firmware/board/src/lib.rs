@@ -1,0 +1,23 @@
+//! What every flight image does between its drivers and the core, free of any microcontroller: the host tests it,
+//! the simulator uses it, an image only says on which pins and at which priority.
+//!
+//! | module | what |
+//! |---|---|
+//! | [`flight`] | one inertial sample: read, step, motors |
+//! | [`slow`] | barometer, rangefinder, battery, each at its own pace |
+//! | [`inbox`] | what the slower tasks have for the next step |
+//! | [`comms`] | MAVLink on every port, and the flight log |
+//! | [`settings`] | parameters from flash at boot, and back when they change |
+//! | [`crash`] | what is left of a panic or a fault after the reset |
+//! | [`wire`] | how an emulated board asks its host |
+
+#![cfg_attr(not(test), no_std)]
+#![forbid(unsafe_code)]
+
+pub mod comms;
+pub mod crash;
+pub mod flight;
+pub mod inbox;
+pub mod settings;
+pub mod slow;
+pub mod wire;

@@ -1,0 +1,80 @@
+//! Parameters from flash at boot, and back when they change.
+
+use embedded_storage::nor_flash::NorFlash;
+use tautline_firmware::param::{META, Params};
+use tautline_hal_shim::parameters::{Name, ParameterStore, StorageError};
+
+/// The parameters and what of them is stored.
+pub struct Settings<F: NorFlash> {
+    store: ParameterStore<F>,
+    stored: Params,
+}
+
+/// What came of reading the flash at boot.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Loaded {
+    /// Values taken over.
+    pub known: u16,
+    /// Values that this firmware has no parameter for, or that it refuses.
+    pub refused: u16,
+}
+
+fn name_of(text: &str) -> Name {
+    let mut name = Name::default();
+    for (slot, byte) in name.iter_mut().zip(text.bytes()) {
+        *slot = byte;
+    }
+    name
+}
+
+fn index_of(name: &Name) -> Option<usize> {
+    let end = name.iter().position(|&byte| byte == 0).unwrap_or(name.len());
+    Params::index_of(name.get(..end)?)
+}
+
+impl<F: NorFlash> Settings<F> {
+    /// Reads what was stored; a value that this firmware refuses leaves its default.
+    ///
+    /// # Errors
+    /// [`StorageError`].
+    pub fn load(mut store: ParameterStore<F>) -> Result<(Self, Loaded), StorageError<F::Error>> {
+        let mut stored = Params::default();
+        let mut loaded = Loaded::default();
+        store.load(|name, value| {
+            let is_good = index_of(name).is_some_and(|index| stored.set(index, value).is_ok());
+            let count = if is_good { &mut loaded.known } else { &mut loaded.refused };
+            *count = count.saturating_add(1);
+        })?;
+        Ok((Self { store, stored }, loaded))
+    }
+
+    /// As stored.
+    #[must_use]
+    pub fn params(&self) -> &Params {
+        &self.stored
+    }
+
+    /// Stores at most one value that differs; true if there was one. Writing may stall the processor for as long as
+    /// an erasing takes: call it on the ground, disarmed.
+    ///
+    /// # Errors
+    /// [`StorageError`]; the value is tried again at the next call.
+    pub fn store_next(&mut self, params: &Params) -> Result<bool, StorageError<F::Error>> {
+        let differs = |index: &usize| {
+            let (old, new) = (self.stored.get(*index), params.get(*index));
+            old.map(f32::to_bits) != new.map(f32::to_bits)
+        };
+        let Some(index) = (0..Params::COUNT).find(differs) else { return Ok(false) };
+        let (Some(meta), Some(value)) = (META.get(index), params.get(index)) else {
+            return Ok(false);
+        };
+        self.store.store(&name_of(meta.name), value)?;
+        let _ = self.stored.set(index, value);
+        Ok(true)
+    }
+
+    /// The flash, for its owner.
+    pub fn into_flash(self) -> F {
+        self.store.into_flash()
+    }
+}
