@@ -126,7 +126,8 @@ fn a_rod_that_is_no_longer_seen_ends_in_a_hover_that_holds_its_place() {
     until(&mut flight, 1.0, |out| out.mode == Mode::TetherHold);
     assert!(told(&flight, "Motion capture stale: hovering"));
     let out = run(&mut flight, 6.0);
-    let off = flight.world.outside.plant.body.position - out.reference.unwrap().position.0.map(f64::from);
+    let off =
+        flight.world.outside.plant.body.position - out.reference.unwrap().position.0.map(f64::from);
     assert!(off.norm() < 0.1, "{off}");
     assert_eq!(out.mode, Mode::TetherHold);
 }
@@ -144,7 +145,8 @@ fn a_gap_shorter_than_the_timeout_is_flown_through() {
 fn a_rod_that_falls_ends_in_a_hover() {
     // Somebody pulls it over: further than thrust and rates can bring back.
     let mut flight = balancing(|_| {});
-    flight.world.outside.plant.rod.as_mut().unwrap().rate = tautline_sitl::plant::V3::new(25.0, 0.0, 0.0);
+    flight.world.outside.plant.rod.as_mut().unwrap().rate =
+        tautline_sitl::plant::V3::new(25.0, 0.0, 0.0);
     let out = until(&mut flight, 2.0, |out| out.mode == Mode::TetherHold);
     let why = ["Pendulum fell: hovering", "Pendulum too far off: hovering"];
     assert!(why.iter().any(|text| told(&flight, text)), "{:?} {:?}", out.mode, flight.events);

@@ -6,6 +6,7 @@ use crate::record::Recorder;
 use crate::scenario::{Scenario, ScenarioError};
 use crate::world::World;
 use std::io::Write;
+use tautline_board::status::Status;
 use tautline_firmware::param::Params;
 use tautline_firmware::signal::Event;
 use tautline_firmware::vehicle::StepOutput;
@@ -58,7 +59,7 @@ impl<W: Write> Flight<W> {
         let out = self.world.step(send);
         let time = self.world.time();
         let world = &mut self.world;
-        self.pilot.step(&out, time, &mut |frame| world.receive(frame, send));
+        self.pilot.step(&Status::of(&out), time, &mut |frame| world.receive(frame, send));
         if let Some(walk) = self.pilot.take_walk() {
             self.world.outside.plant.anchor.go(walk);
         }

@@ -11,6 +11,7 @@ pub mod angle_metrics;
 pub mod beside;
 pub mod campaign;
 pub mod command;
+pub mod emulated;
 pub mod experiment;
 pub mod flight;
 pub mod inject;

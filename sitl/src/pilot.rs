@@ -7,8 +7,8 @@ use mavlink::MessageData;
 use mavlink::dialects::common::{
     COMMAND_LONG_DATA, HEARTBEAT_DATA, MANUAL_CONTROL_DATA, MavAutopilot, MavCmd, MavType,
 };
-use tautline_firmware::supervisor::{GroundState, Mode};
-use tautline_firmware::vehicle::StepOutput;
+use tautline_board::status::Status;
+use tautline_firmware::supervisor::Mode;
 
 /// Ground station's ids.
 const SYSTEM: u32 = 255;
@@ -42,10 +42,9 @@ fn taut_mode(control: TautControl) -> Mode {
 }
 
 /// The taut-link reference, if it rests.
-fn taut_rest(out: &StepOutput) -> Option<(f64, f64)> {
-    let r = out.taut_reference?;
-    let ([phi, phi1, ..], [y, y1, _]) = (r.elevation, r.second);
-    (phi1.abs() < 1e-6 && y1.abs() < 1e-6).then_some((f64::from(phi), f64::from(y)))
+fn taut_rest(seen: &Status) -> Option<(f64, f64)> {
+    let point = seen.taut.filter(|point| point.rests)?;
+    Some((f64::from(point.elevation), f64::from(point.second)))
 }
 
 fn is_at(x: f64, wanted: f64) -> bool {
@@ -61,9 +60,9 @@ fn set_mode(p: &mut [f32; 7], mode: Mode) {
 
 /// Sticks that shake all four motors: square waves of different periods on climb rate, roll and pitch,
 /// about the wanted height.
-fn excitation(out: &StepOutput, altitude: f64, time: f64) -> [f64; 3] {
+fn excitation(seen: &Status, altitude: f64, time: f64) -> [f64; 3] {
     let square = |period: f64| if (time / period).rem_euclid(1.0) < 0.5 { 1.0 } else { -1.0 };
-    let low = altitude - f64::from(out.estimate.height);
+    let low = altitude - f64::from(seen.height);
     if low > CLIMB_FIRST {
         return [0.0, 0.0, 0.8];
     }
@@ -133,8 +132,8 @@ impl Pilot {
             && self.progress == Progress::Flying
     }
 
-    /// Looks at the vehicle's last step and says what to say.
-    pub fn step(&mut self, out: &StepOutput, time: f64, say: &mut dyn FnMut(&[u8])) {
+    /// Looks at what the vehicle's last step told and says what to say.
+    pub fn step(&mut self, seen: &Status, time: f64, say: &mut dyn FnMut(&[u8])) {
         if self.progress != Progress::Flying {
             return;
         }
@@ -155,7 +154,7 @@ impl Pilot {
         if let Some(sticks) = self.sticks.filter(|_| time >= self.sticks_at + STICKS_PERIOD) {
             self.sticks_at = time;
             let excited = match step {
-                Step::Excite { altitude, .. } => excitation(out, altitude, waited),
+                Step::Excite { altitude, .. } => excitation(seen, altitude, waited),
                 _ => sticks,
             };
             self.say_sticks(excited, say);
@@ -164,7 +163,7 @@ impl Pilot {
             self.walk = Some(Walk { way: V3::new(north, east, 0.0), speed, ramp });
         }
         self.catches |= step == Step::CatchRod;
-        if self.is_done(&step, out, waited) {
+        if self.is_done(&step, seen, waited) {
             self.at += 1;
             self.step_began = time;
             self.commanded_at = None;
@@ -181,56 +180,54 @@ impl Pilot {
             return;
         }
         let is_flight = !matches!(step, Step::Arm | Step::Altitude | Step::AwaitDisarmed { .. });
-        if is_flight && !out.is_armed && waited > REPEAT && !matches!(step, Step::Land) {
+        if is_flight && !seen.is_armed && waited > REPEAT && !matches!(step, Step::Land) {
             self.progress = Progress::Failed(format!("disarmed during {step:?}"));
             return;
         }
-        if self.commanded_at.is_none_or(|at| time > at + REPEAT) && self.command(&step, out, say) {
+        if self.commanded_at.is_none_or(|at| time > at + REPEAT) && self.command(&step, seen, say) {
             self.commanded_at = Some(time);
         }
     }
 
-    fn is_done(&self, step: &Step, out: &StepOutput, waited: f64) -> bool {
+    fn is_done(&self, step: &Step, seen: &Status, waited: f64) -> bool {
         match step {
-            Step::Arm => out.is_armed,
-            Step::Takeoff { .. } => {
-                out.mode == Mode::TetherHold && out.ground == GroundState::InAir
-            }
+            Step::Arm => seen.is_armed,
+            Step::Takeoff { .. } => seen.is_in(Mode::TetherHold) && seen.is_in_air,
             Step::Hold { seconds } => waited >= *seconds,
             Step::Move { .. } => {
-                let rests = out.reference.is_some_and(|r| r.velocity.0.norm() < 1e-3);
+                let rests = seen.reference_speed.is_some_and(|speed| speed < 1e-3);
                 self.commanded_at.is_some() && waited > 2.0 && rests
             }
-            Step::Taut { control } => out.mode == taut_mode(*control),
+            Step::Taut { control } => seen.is_in(taut_mode(*control)),
             Step::TautMove { elevation: [_, to], second: [_, second], duration, .. } => {
                 waited > *duration
-                    && taut_rest(out).is_some_and(|(phi, y)| is_at(phi, *to) && is_at(y, *second))
+                    && taut_rest(seen).is_some_and(|(phi, y)| is_at(phi, *to) && is_at(y, *second))
             }
-            Step::TetherHold => out.mode == Mode::TetherHold,
-            Step::TetherAngle => out.mode == Mode::TetherAngle,
-            Step::Pendulum => out.mode == Mode::Pendulum,
-            Step::Altitude => out.mode == Mode::Altitude,
+            Step::TetherHold => seen.is_in(Mode::TetherHold),
+            Step::TetherAngle => seen.is_in(Mode::TetherAngle),
+            Step::Pendulum => seen.is_in(Mode::Pendulum),
+            Step::Altitude => seen.is_in(Mode::Altitude),
             Step::Excite { seconds, .. } => waited >= *seconds,
             Step::WalkAnchor { .. } | Step::CatchRod => true,
-            Step::Land | Step::AwaitDisarmed { .. } => !out.is_armed,
+            Step::Land | Step::AwaitDisarmed { .. } => !seen.is_armed,
         }
     }
 
     /// Says what the step needs; false when nothing is to be said.
-    fn command(&mut self, step: &Step, out: &StepOutput, say: &mut dyn FnMut(&[u8])) -> bool {
+    fn command(&mut self, step: &Step, seen: &Status, say: &mut dyn FnMut(&[u8])) -> bool {
         let degrees = |x: &Option<f64>| x.map_or(f32::NAN, |x| x.to_degrees() as f32);
         let plain = |x: &Option<f64>| x.map_or(f32::NAN, |x| x as f32);
         let mut p = [0.0_f32; 7];
         let command = match step {
             Step::Arm => {
-                if !out.is_armable {
+                if !seen.is_armable {
                     return false;
                 }
                 p = [1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
                 MavCmd::MAV_CMD_COMPONENT_ARM_DISARM
             }
             Step::Takeoff { altitude } => {
-                if out.mode == Mode::Takeoff {
+                if seen.is_in(Mode::Takeoff) {
                     return false;
                 }
                 p = [0.0, 0.0, 0.0, f32::NAN, f32::NAN, f32::NAN, *altitude as f32];
@@ -275,7 +272,7 @@ impl Pilot {
             Step::TautMove { elevation: [from, to], second: [y_from, y_to], control, duration } => {
                 // Again until it is accepted and flown.
                 let is_there = |(phi, y)| is_at(phi, *to) && is_at(y, *y_to);
-                if taut_rest(out).is_none_or(is_there) {
+                if taut_rest(seen).is_none_or(is_there) {
                     return false;
                 }
                 let is_force = *control == TautControl::Force;
@@ -293,7 +290,7 @@ impl Pilot {
                 if is_force { MavCmd::MAV_CMD_USER_2 } else { MavCmd::MAV_CMD_USER_3 }
             }
             Step::Land => {
-                if out.mode == Mode::Land {
+                if seen.is_in(Mode::Land) {
                     return false;
                 }
                 MavCmd::MAV_CMD_NAV_LAND

@@ -17,6 +17,8 @@ pub enum Cause {
     HardFault = 2,
     /// The watchdog bit.
     Watchdog = 3,
+    /// The supply fell.
+    BrownOut = 4,
 }
 
 /// A record that a reset keeps. Power-up leaves anything in it, so it counts only with its check word.
@@ -57,7 +59,7 @@ impl Record {
         if self.magic != MAGIC || self.check != self.sum() {
             return None;
         }
-        [Cause::Panic, Cause::HardFault, Cause::Watchdog]
+        [Cause::Panic, Cause::HardFault, Cause::Watchdog, Cause::BrownOut]
             .into_iter()
             .find(|cause| *cause as u32 == self.cause)
     }
@@ -73,6 +75,7 @@ impl Record {
             Cause::Panic => write!(text, "Reset: panic, line {first}{armed}"),
             Cause::HardFault => write!(text, "Reset: fault, pc {first:#x} lr {second:#x}{armed}"),
             Cause::Watchdog => write!(text, "Reset: watchdog{armed}"),
+            Cause::BrownOut => write!(text, "Reset: brown-out{armed}"),
         };
         result.ok().map(|()| text)
     }

@@ -70,11 +70,9 @@ impl<SPI: SpiDevice, PWM: SetDutyCycle> Flight<SPI, PWM> {
         input
     }
 
-    /// The step and the motors' pulses.
-    pub fn step(&mut self, input: &StepInput) -> StepOutput {
-        let out = self.vehicle.step(input);
+    /// The motors' pulses of a step.
+    pub fn drive(&mut self, out: &StepOutput) {
         // A timer's registers do not fail.
         let _ = self.motors.write(&out.actuation.throttle);
-        out
     }
 }

@@ -10,31 +10,19 @@ use tautline_firmware::vehicle::StepInput;
 /// Filled below the flight task, emptied by it.
 #[derive(Debug, Default)]
 pub struct Inbox {
-    /// Of the slow devices, newest first come; taken by one step.
-    pub sensors: RawSensors,
+    sensors: RawSensors,
     heartbeat_at: Option<Micros>,
     sticks: Option<Sample<Sticks>>,
     requests: Deque<Request, 8>,
 }
 
 impl Inbox {
-    /// Empty.
-    #[must_use]
-    pub const fn new() -> Self {
-        Self {
-            sensors: RawSensors {
-                imu: None,
-                barometer: None,
-                range: None,
-                battery: None,
-                tether: None,
-                capture: None,
-                rod: None,
-            },
-            heartbeat_at: None,
-            sticks: None,
-            requests: Deque::new(),
-        }
+    /// What the slow devices have; what is `None` leaves what is there.
+    pub fn put(&mut self, new: &RawSensors) {
+        let here = &mut self.sensors;
+        here.barometer = new.barometer.or(here.barometer);
+        here.range = new.range.or(here.range);
+        here.battery = new.battery.or(here.battery);
     }
 
     /// What a connection heard. A request that finds no room waits in the connection's own queue.
@@ -49,6 +37,9 @@ impl Inbox {
         }
         if let Some(rod) = link.take_rod() {
             self.sensors.rod = Some(rod);
+        }
+        if let Some(winch) = link.take_winch() {
+            self.sensors.tether = Some(winch);
         }
         while !self.requests.is_full() {
             let Some(request) = link.next_request() else { break };

@@ -9,6 +9,7 @@
 //! | [`comms`] | MAVLink on every port, and the flight log |
 //! | [`settings`] | parameters from flash at boot, and back when they change |
 //! | [`crash`] | what is left of a panic or a fault after the reset |
+//! | [`status`] | what somebody on the ground wants to know of each step |
 //! | [`wire`] | how an emulated board asks its host |
 
 #![cfg_attr(not(test), no_std)]
@@ -20,4 +21,5 @@ pub mod flight;
 pub mod inbox;
 pub mod settings;
 pub mod slow;
+pub mod status;
 pub mod wire;

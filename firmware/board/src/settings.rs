@@ -60,6 +60,9 @@ impl<F: NorFlash> Settings<F> {
     /// # Errors
     /// [`StorageError`]; the value is tried again at the next call.
     pub fn store_next(&mut self, params: &Params) -> Result<bool, StorageError<F::Error>> {
+        if *params == self.stored {
+            return Ok(false);
+        }
         let differs = |index: &usize| {
             let (old, new) = (self.stored.get(*index), params.get(*index));
             old.map(f32::to_bits) != new.map(f32::to_bits)

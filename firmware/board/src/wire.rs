@@ -3,6 +3,8 @@
 //!
 //! A frame is its length in two bytes, little-endian, and then the message as `postcard` writes it.
 
+pub use crate::status::Status;
+
 use serde::{Deserialize, Serialize};
 
 /// Longest message.
@@ -61,29 +63,6 @@ pub enum Ask<'a> {
     Advance,
     /// Counted at the end, or when asked. No reply.
     Counts(Counts),
-}
-
-/// The part of a step's output that a host wants at once.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Status {
-    /// PX4's number of the flight mode.
-    pub custom_mode: u32,
-    /// Motors may turn.
-    pub is_armed: bool,
-    /// May be armed.
-    pub is_armable: bool,
-    /// In the air.
-    pub is_flying: bool,
-    /// Speed of the reference, m/s; `None` without one.
-    pub reference_speed: Option<f32>,
-    /// Taut reference: elevation and second output, if it rests.
-    pub taut_rest: Option<[f32; 2]>,
-    /// Height estimate, m.
-    pub height: f32,
-    /// Position estimate, NED, m.
-    pub position: Option<[f32; 3]>,
-    /// Tension asked of the winch, N.
-    pub winch_tension: f32,
 }
 
 /// What was counted since power-up.

@@ -1,5 +1,6 @@
-//! Motion capture over MAVLink: ODOMETRY, VISION_POSITION_ESTIMATE or ATT_POS_MOCAP for the vehicle,
-//! DEBUG_VECT named `rod` for the direction of a rod on top (vehicle → load, NED, any length).
+//! What others measure and tell over MAVLink. Motion capture: ODOMETRY, VISION_POSITION_ESTIMATE or ATT_POS_MOCAP for the vehicle,
+//! DEBUG_VECT named `rod` for the direction of a rod on top (vehicle → load, NED, any length). A winch:
+//! WINCH_STATUS, of which the length is read.
 //!
 //! All are read by position: the crate refuses frames and estimator types that it does not know, and which
 //! clients send. Time stamps of the sender are not used; its clock is not ours. A sample counts from its
@@ -7,7 +8,7 @@
 
 use super::Link;
 use super::frame::Frame;
-use crate::signal::RawCapture;
+use crate::signal::{RawCapture, RawTether};
 use crate::time::{Micros, Sample};
 
 /// ODOMETRY: frames understood. LOCAL_FRD is taken as NED, as its sender's heading decides.
@@ -16,6 +17,9 @@ const LOCAL_FRD: u8 = 20;
 /// Where DEBUG_VECT's name stands, and the one that is read.
 const NAME: usize = 20;
 const ROD: &[u8] = b"rod";
+
+/// Where WINCH_STATUS says how much line is out, m.
+const LINE_LENGTH: usize = 8;
 
 /// Heading of a quaternion `[w, x, y, z]`, rad; `None` if it is none.
 fn heading([w, x, y, z]: [f32; 4]) -> Option<f32> {
@@ -72,5 +76,13 @@ impl Link {
             return self.refuse();
         }
         self.rod = Some(Sample { at: now, value });
+    }
+
+    pub(super) fn winch_status(&mut self, now: Micros, frame: &Frame) {
+        let millimetres = frame.float(LINE_LENGTH) * 1000.0;
+        if !(0.0..1e9).contains(&millimetres) {
+            return self.refuse();
+        }
+        self.winch = Some(Sample { at: now, value: RawTether { length_mm: millimetres as i32 } });
     }
 }

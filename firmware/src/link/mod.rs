@@ -21,7 +21,7 @@ pub use frame::{Frame, MAX_FRAME, Parser};
 
 use crate::param::Params;
 use crate::scalar::Scalar;
-use crate::signal::{Event, Outcome, RawCapture, Reply, Request, Sticks};
+use crate::signal::{Event, Outcome, RawCapture, RawTether, Reply, Request, Sticks};
 use crate::time::{Micros, Sample};
 use crate::vehicle::StepOutput;
 use heapless::Deque;
@@ -70,6 +70,7 @@ pub struct Link {
     sticks: Option<Sample<Sticks>>,
     capture: Option<Sample<RawCapture>>,
     rod: Option<Sample<[f32; 3]>>,
+    winch: Option<Sample<RawTether>>,
     requests: Deque<Request, 8>,
     events: Deque<Event, 16>,
     streams: Streams,
@@ -100,6 +101,7 @@ impl Link {
             sticks: None,
             capture: None,
             rod: None,
+            winch: None,
             requests: Deque::new(),
             events: Deque::new(),
             streams: Streams::default(),
@@ -157,6 +159,11 @@ impl Link {
     /// The newest direction of a rod on top, once.
     pub fn take_rod(&mut self) -> Option<Sample<[f32; 3]>> {
         self.rod.take()
+    }
+
+    /// The newest length that a winch told by WINCH_STATUS, once.
+    pub fn take_winch(&mut self) -> Option<Sample<RawTether>> {
+        self.winch.take()
     }
 
     /// What was heard and dropped.

@@ -78,6 +78,7 @@ impl Link {
             mav::VISION_POSITION_ESTIMATE_DATA::ID => self.vision_position(now, frame),
             mav::ATT_POS_MOCAP_DATA::ID => self.pose(now, frame),
             mav::DEBUG_VECT_DATA::ID => self.named_vector(now, frame),
+            mav::WINCH_STATUS_DATA::ID => self.winch_status(now, frame),
             mav::PING_DATA::ID => self.decode(frame, |link, m: &mav::PING_DATA| {
                 if m.target_system == 0 {
                     let pong = mav::PING_DATA {

@@ -9,6 +9,7 @@ macro_rules! say {
 }
 
 mod campaign;
+mod emulate;
 mod experiment;
 mod fly;
 mod plot;
@@ -48,6 +49,8 @@ enum Command {
     Fly(fly::Options),
     /// Fly a scenario over many seeds and judge it against limits.
     Campaign(campaign::Options),
+    /// Fly a flight image under QEMU beside the same flight here.
+    Emulate(emulate::Options),
     /// Reproduce a result of the papers.
     Experiment(experiment::Options),
     /// Identify thrust from PWM.
@@ -78,6 +81,7 @@ pub fn run() -> ExitCode {
         None => fly::run(&cli.fly),
         Some(Command::Fly(options)) => fly::run(&options),
         Some(Command::Campaign(options)) => campaign::run(&options),
+        Some(Command::Emulate(options)) => emulate::run(&options),
         Some(Command::Experiment(options)) => experiment::run(&options),
         Some(Command::Sysid(options)) => sysid::run(&options),
         Some(Command::Plot(options)) => plot::run(&options),

@@ -1,0 +1,208 @@
+//! A board whose devices a host plays: every bus asks by semihosting. The drivers above do not notice.
+
+mod buses;
+mod flash;
+mod host;
+mod meter;
+
+pub use buses::{Delay, ImuBus, Motor, RangePort, Pins, SlowBus};
+pub use flash::ParameterFlash;
+pub use meter::Meter;
+
+use crate::telemetry;
+use core::sync::atomic::{AtomicBool, Ordering};
+use heapless::String;
+use stm32f4xx_hal::pac;
+use stm32f4xx_hal::prelude::*;
+use tautline_board::comms::{Comms, LogFile};
+use tautline_board::flight::protocol;
+use tautline_board::settings::Settings;
+use tautline_board::slow::SlowDevices;
+use tautline_board::wire::{Ask, Counts, Injury, Reply, Status};
+use tautline_firmware::param::Params;
+use tautline_firmware::signal::ROTORS;
+use tautline_firmware::time::Micros;
+use tautline_firmware::vehicle::StepOutput;
+use tautline_hal_shim::battery::BatteryMonitor;
+use tautline_hal_shim::motors::MotorOutputs;
+use tautline_hal_shim::parameters::ParameterStore;
+
+/// Barometer, rangefinder and battery on their buses.
+pub type Devices = SlowDevices<SlowBus, RangePort, Pins, Pins>;
+
+/// What the board needs for ever: nothing here.
+pub struct Memory;
+
+impl Memory {
+    pub const fn new() -> Self {
+        Self
+    }
+}
+
+/// Everything on the board.
+pub struct Board {
+    pub imu: ImuBus,
+    pub motors: Motors,
+    pub devices: Devices,
+    pub flash: ParameterFlash,
+    pub telemetry: Option<(telemetry::Port, crate::bytes::Into, crate::bytes::OutOf)>,
+    pub console: Console,
+    pub log: LogSink,
+    pub background: Background,
+    pub delay: Delay,
+    pub meter: Meter,
+    pub notice: Option<String<50>>,
+}
+
+static READY: AtomicBool = AtomicBool::new(false);
+
+pub fn start(
+    device: pac::Peripherals,
+    _core: rtic::export::Peripherals,
+    memory: &'static mut telemetry::Memory,
+    _: &'static mut Memory,
+) -> Board {
+    host::open();
+    let (mut rcc, source) = crate::clock::start(device.RCC);
+    defmt::info!("clock: {}", source);
+    let gpioa = device.GPIOA.split(&mut rcc);
+    Board {
+        imu: ImuBus,
+        motors: Motors,
+        devices: SlowDevices::new(SlowBus, RangePort::default(), BatteryMonitor::new(Pins::Voltage, Pins::Current)),
+        flash: ParameterFlash,
+        telemetry: telemetry::start(device.USART1, (gpioa.pa9, gpioa.pa10), memory, &mut rcc),
+        console: Console::default(),
+        log: LogSink,
+        background: Background,
+        delay: Delay,
+        meter: Meter::start(device.TIM2, &mut rcc),
+        notice: None,
+    }
+}
+
+pub fn open_settings(flash: ParameterFlash) -> Option<Settings<ParameterFlash>> {
+    let store = ParameterStore::try_new(flash, flash::RANGE).ok()?;
+    Settings::load(store).ok().map(|(settings, _)| settings)
+}
+
+/// The motors before anybody knows their protocol.
+pub struct Motors;
+
+impl Motors {
+    pub fn run(self, params: &Params) -> MotorOutputs<Motor> {
+        buses::set_stop(protocol(params));
+        let channels = core::array::from_fn(Motor::new);
+        match MotorOutputs::try_new(channels, protocol(params)) {
+            Ok(outputs) => outputs,
+            Err(never) => match never {},
+        }
+    }
+}
+
+/// The stop pulse on every motor, from any context.
+pub fn stop_motors() {
+    host::post(&Ask::Motors([buses::stop(); ROTORS]));
+}
+
+pub fn now() -> Micros {
+    Micros(host::now_us())
+}
+
+pub fn delay() -> Delay {
+    Delay
+}
+
+/// Whether the inertial sensor has a sample since the last call.
+pub fn take_ready() -> bool {
+    READY.swap(false, Ordering::Relaxed)
+}
+
+/// Edges, timer, USB and the rangefinder's UART have no part here.
+pub fn data_ready() {}
+pub fn pulse() {}
+pub fn serve_usb() {}
+pub fn serve_range() {}
+
+/// What the host wants of each step.
+pub fn stepped(out: &StepOutput) {
+    host::post(&Ask::Status(Status::of(out)));
+}
+
+/// MAVLink's second port; on a board this is USB.
+#[derive(Default)]
+pub struct Console;
+
+impl Console {
+    pub fn take<'b>(&mut self, buffer: &'b mut [u8]) -> &'b [u8] {
+        host::take_console(buffer)
+    }
+    pub fn put(&mut self, frame: &[u8]) -> bool {
+        host::post(&Ask::Console(frame));
+        true
+    }
+    pub fn flush(&mut self) {}
+}
+
+/// The flight log goes to the host.
+pub struct LogSink;
+
+impl LogSink {
+    pub fn write(&mut self, comms: &mut Comms<2>, out: &StepOutput) {
+        let mut file = LogFile {
+            begin: &mut || {},
+            write: &mut |bytes| {
+                for piece in bytes.chunks(512) {
+                    host::post(&Ask::Log(piece));
+                }
+                true
+            },
+            end: &mut || {},
+        };
+        comms.log(out, &mut file);
+    }
+}
+
+/// Lockstep: a millisecond at the host, then whatever it causes.
+pub struct Background;
+
+impl Background {
+    pub fn run(&mut self) -> ! {
+        loop {
+            match host::advance() {
+                Some((is_ready, injury)) => {
+                    match injury {
+                        Some(Injury::HardFault) => fault(),
+                        Some(Injury::Panic) => crate::crash::end(tautline_board::crash::Cause::Panic, [line!(), 0]),
+                        None => {}
+                    }
+                    READY.store(is_ready, Ordering::Relaxed);
+                    rtic::pend(crate::app::FLIGHT);
+                }
+                None => {
+                    Meter::report();
+                    host::exit();
+                }
+            }
+        }
+    }
+}
+
+/// An access that no bus answers.
+fn fault() {
+    // SAFETY: it faults, which is what is wanted.
+    unsafe { core::ptr::read_volatile(0xF000_0000 as *const u32) };
+}
+
+fn counts(steps: u32, instructions: u64, worst: u32, lost_outputs: u32) -> Counts {
+    let (stack, stack_room) = crate::stack::depth().unwrap_or((0, 0));
+    Counts { steps, instructions, worst, lost_outputs, stack, stack_room }
+}
+
+/// The reply is of another kind than the question: the host is not ours.
+fn bytes_of<'r>(reply: Option<Reply<'r>>) -> Option<&'r [u8]> {
+    match reply {
+        Some(Reply::Bytes(bytes)) => Some(bytes),
+        _ => None,
+    }
+}

@@ -1,0 +1,324 @@
+//! A scenario flown by an image under QEMU, in lockstep.
+
+use super::devices::Devices;
+use super::pipe::{Pipe, decode};
+use super::qemu::{Qemu, Telemetry};
+use crate::outside::Outside;
+use crate::pilot::{Pilot, Progress};
+use crate::plant::V3;
+use crate::scenario::{FaultKind, Scenario};
+use crate::voice::Voice;
+use mavlink::dialects::common::{HEARTBEAT_DATA, MavType, STATUSTEXT_DATA, WINCH_STATUS_DATA};
+use mavlink::{MavlinkVersion, MessageData};
+use std::io::{self, Write};
+use std::path::Path;
+use std::time::{Duration, Instant};
+use tautline_board::flight::protocol;
+use tautline_board::status::Status;
+use tautline_board::wire::{Ask, Counts, Injury, Reply};
+use tautline_firmware::link::Parser;
+use tautline_firmware::param::Params;
+use tautline_firmware::supervisor::{MODES, Mode};
+
+/// After the mission the world goes on for this long, s.
+const EPILOGUE: f64 = 2.0;
+/// Bytes that go into the console port in a millisecond.
+const CONSOLE: usize = 300;
+/// System id of the winch that speaks.
+const WINCH: u32 = 20;
+/// Of the ground station.
+const GROUND: u32 = 255;
+const HEARTBEAT_MS: u64 = 500;
+
+/// How to fly.
+#[derive(Clone, Debug)]
+pub struct Plan<'a> {
+    /// The image.
+    pub image: &'a Path,
+    /// For FIFOs and the log.
+    pub folder: &'a Path,
+    /// What is simulated, with its mission.
+    pub scenario: &'a Scenario,
+    /// In the board's flash at power-up.
+    pub params: Params,
+    /// Of everything random.
+    pub seed: u64,
+    /// Simulated seconds at most.
+    pub limit: f64,
+    /// Suffer this at that time, s.
+    pub injury: Option<(f64, Injury)>,
+    /// Where USART1 goes; a real client wants real time.
+    pub telemetry: Telemetry,
+}
+
+/// What came of it.
+#[derive(Clone, Debug)]
+pub struct Outcome {
+    /// Mission's end.
+    pub progress: Progress,
+    /// True position at the end, NED from the anchor, m.
+    pub position: V3,
+    /// Greatest height, m.
+    pub top: f64,
+    /// Simulated s, from the first step.
+    pub time: f64,
+    /// Root mean square of the position estimate's error in the air, m.
+    pub estimate_rms: Option<f64>,
+    /// Instructions, stack, lost outputs.
+    pub counts: Counts,
+    /// What STATUSTEXT said on the console port, with times, s.
+    pub texts: Vec<(f64, String)>,
+    /// From the injury to the first stop pulses, s.
+    pub stopped_after: Option<f64>,
+    /// Over every byte between board and host.
+    pub digest: u64,
+    /// The board's flight log.
+    pub log: Vec<u8>,
+    /// Wall time, s.
+    pub took: f64,
+    /// Parameters in the flash at the end.
+    pub stored: Params,
+}
+
+struct Host<'a> {
+    plan: &'a Plan<'a>,
+    devices: Devices,
+    pilot: Pilot,
+    winch: Voice,
+    ground: Voice,
+    parser: Parser,
+    console: Vec<u8>,
+    status: Status,
+    steps: u64,
+    has_begun: bool,
+    injured_at: Option<f64>,
+    ended_at: Option<f64>,
+    squares: (f64, u64),
+    began: Instant,
+    out: Outcome,
+}
+
+/// Flies.
+///
+/// # Errors
+/// When QEMU, its image or a file fails; a mission that fails is an [`Outcome`].
+pub fn fly(plan: &Plan) -> io::Result<Outcome> {
+    let is_real_time = plan.telemetry != Telemetry::None;
+    let (qemu, mut pipe) = Qemu::start(plan.image, plan.folder, plan.telemetry, !is_real_time)?;
+    let mut host = Host::new(plan)?;
+    loop {
+        let message = pipe.ask()?;
+        let ask = decode(&message)?;
+        if host.devices.serve(&ask, &mut pipe)? {
+            if matches!(ask, Ask::Motors(_)) {
+                host.watch_motors();
+            }
+            continue;
+        }
+        match ask {
+            Ask::Console(bytes) => host.hear(bytes),
+            Ask::Log(bytes) => host.out.log.extend_from_slice(bytes),
+            Ask::Status(status) => host.see(&status),
+            Ask::Counts(counts) => host.out.counts = counts,
+            Ask::Advance if host.is_over() => {
+                pipe.reply(&Reply::End)?;
+                break;
+            }
+            Ask::Advance => {
+                if is_real_time {
+                    host.wait();
+                }
+                host.advance(&mut pipe)?;
+            }
+            _ => {}
+        }
+    }
+    // The last counts.
+    while let Ok(message) = pipe.ask() {
+        if let Ask::Counts(counts) = decode(&message)? {
+            host.out.counts = counts;
+        }
+    }
+    let digest = pipe.digest();
+    drop(pipe);
+    let folder = qemu.folder().to_owned();
+    qemu.finish()?;
+    let outcome = host.finish(digest)?;
+    std::fs::File::create(folder.join("flight.ulg"))?.write_all(&outcome.log)?;
+    Ok(outcome)
+}
+
+impl<'a> Host<'a> {
+    fn new(plan: &'a Plan<'a>) -> io::Result<Self> {
+        let outside = Outside::new(plan.scenario, &plan.params, plan.seed);
+        let devices = Devices::new(outside, &plan.params, protocol(&plan.params))?;
+        let pilot = Pilot::new(&plan.scenario.mission, plan.params.system_id as u8);
+        let out = Outcome {
+            progress: pilot.progress().clone(),
+            position: V3::zeros(),
+            top: 0.0,
+            time: 0.0,
+            estimate_rms: None,
+            counts: Counts::default(),
+            texts: Vec::new(),
+            stopped_after: None,
+            digest: 0,
+            log: Vec::new(),
+            took: 0.0,
+            stored: plan.params,
+        };
+        Ok(Self {
+            plan,
+            devices,
+            pilot,
+            winch: Voice::new(WINCH, 1),
+            ground: Voice::new(GROUND, 1),
+            parser: Parser::new(),
+            console: Vec::new(),
+            status: Status::default(),
+            steps: 0,
+            has_begun: false,
+            injured_at: None,
+            ended_at: None,
+            squares: (0.0, 0),
+            began: Instant::now(),
+            out,
+        })
+    }
+
+    fn time(&self) -> f64 {
+        self.devices.outside.time()
+    }
+
+    fn is_over(&mut self) -> bool {
+        if !self.has_begun {
+            return false;
+        }
+        let time = self.time();
+        if time >= self.plan.limit {
+            return true;
+        }
+        if *self.pilot.progress() == Progress::Flying {
+            return false;
+        }
+        time > *self.ended_at.get_or_insert(time) + EPILOGUE
+    }
+
+    /// Until the wall clock has caught up.
+    fn wait(&self) {
+        let due = Duration::from_secs_f64(self.steps as f64 * 1e-3);
+        if let Some(ahead) = due.checked_sub(self.began.elapsed()) {
+            std::thread::sleep(ahead);
+        }
+    }
+
+    /// One millisecond of world, then the board's turn.
+    fn advance(&mut self, pipe: &mut Pipe) -> io::Result<()> {
+        if !self.has_begun {
+            self.has_begun = true;
+            self.devices.outside.begin();
+        }
+        self.steps += 1;
+        let Devices { outside, escs, .. } = &mut self.devices;
+        outside.advance(escs, f64::from(self.status.winch_tension));
+        outside.expose();
+        let heard = &mut self.console;
+        outside.look(&mut |frame| heard.extend_from_slice(frame));
+        if let Some(length) = outside.sensors.winch() {
+            let status = WINCH_STATUS_DATA {
+                line_length: length.length_mm as f32 * 1e-3,
+                ..WINCH_STATUS_DATA::default()
+            };
+            heard.extend_from_slice(&self.winch.frame(&status));
+        }
+        if outside.suffers(FaultKind::LinkLost) {
+            heard.clear();
+        }
+        let is_ready = !outside.suffers(FaultKind::ImuSilent);
+        let time = outside.time();
+        let due = self.plan.injury.filter(|(at, _)| self.injured_at.is_none() && time >= *at);
+        if due.is_some() {
+            self.injured_at = Some(time);
+        }
+        let take = self.console.len().min(CONSOLE);
+        let console: Vec<u8> = self.console.drain(..take).collect();
+        pipe.reply(&Reply::Tick {
+            now_us: self.devices.outside.now().0,
+            is_ready,
+            console: &console,
+            injury: due.map(|(_, injury)| injury),
+        })
+    }
+
+    /// After new pulses.
+    fn watch_motors(&mut self) {
+        let Some(at) = self.injured_at.filter(|_| self.out.stopped_after.is_none()) else { return };
+        let protocol = protocol(&self.plan.params);
+        let stop = protocol.pulse_us(0.0) / protocol.period_us() * f32::from(u16::MAX);
+        if self.devices.pulses.iter().all(|pulse| f32::from(*pulse) < stop + 1.0) {
+            self.out.stopped_after = Some(self.time() - at);
+        }
+    }
+
+    /// A ground station goes on listening when its pilot has given up.
+    fn keep_listening(&mut self) {
+        if *self.pilot.progress() != Progress::Flying && self.steps.is_multiple_of(HEARTBEAT_MS) {
+            let heartbeat =
+                HEARTBEAT_DATA { mavtype: MavType::MAV_TYPE_GCS, ..HEARTBEAT_DATA::default() };
+            self.console.extend_from_slice(&self.ground.frame(&heartbeat));
+        }
+    }
+
+    /// After a step.
+    fn see(&mut self, status: &Status) {
+        self.status = *status;
+        self.keep_listening();
+        let time = self.time();
+        let plant = &self.devices.outside.plant;
+        self.out.top = self.out.top.max(plant.body.height());
+        if let Some(estimate) = status.position.filter(|_| status.is_in_air) {
+            let off = V3::from(estimate.map(f64::from)) - plant.from_anchor();
+            self.squares = (self.squares.0 + off.norm_squared(), self.squares.1 + 1);
+        }
+        let console = &mut self.console;
+        self.pilot.step(status, time, &mut |frame| console.extend_from_slice(frame));
+        let outside = &mut self.devices.outside;
+        if let Some(walk) = self.pilot.take_walk() {
+            outside.plant.anchor.go(walk);
+        }
+        if self.pilot.take_catch()
+            && let Some(rod) = &mut outside.plant.rod
+        {
+            rod.catch();
+        }
+        let mode = MODES.iter().find(|rule| rule.custom_mode == status.custom_mode);
+        outside.let_go(mode.map_or(Mode::TetherHold, |rule| rule.mode));
+    }
+
+    fn hear(&mut self, bytes: &[u8]) {
+        for &byte in bytes {
+            let mut next = self.parser.push(byte);
+            while let Some(frame) = next {
+                if frame.id == STATUSTEXT_DATA::ID
+                    && let Ok(text) = STATUSTEXT_DATA::deser(MavlinkVersion::V2, frame.payload())
+                    && let Ok(text) = text.text.to_str()
+                {
+                    self.out.texts.push((self.devices.outside.time(), text.to_owned()));
+                }
+                next = self.parser.pending();
+            }
+        }
+    }
+
+    fn finish(mut self, digest: u64) -> io::Result<Outcome> {
+        self.out.stored = self.devices.stored()?;
+        self.out.progress = self.pilot.progress().clone();
+        self.out.position = self.devices.outside.plant.from_anchor();
+        self.out.time = self.time();
+        self.out.took = self.began.elapsed().as_secs_f64();
+        self.out.digest = digest;
+        let (sum, count) = self.squares;
+        self.out.estimate_rms = (count > 0).then(|| (sum / count as f64).sqrt());
+        Ok(self.out)
+    }
+}
