@@ -175,6 +175,8 @@ fn isqrt(n: u64) -> u64 {
 }
 
 impl Scalar for Q16 {
+    const SQUARES_FIT: bool = false;
+
     #[inline(always)]
     fn lit(x: f64) -> Self {
         // A float-to-int cast saturates and sends NaN to zero.

@@ -16,7 +16,7 @@
 //! `no_std`, no allocator, no panic in the step, time as an argument, no global.
 
 #![no_std]
-#![forbid(unsafe_code)]
+#![deny(unsafe_code)]
 #![cfg_attr(test, allow(clippy::float_cmp))]
 
 #[cfg(test)]

@@ -22,6 +22,9 @@ pub trait Scalar:
     + ClosedMulAssign
     + ClosedDivAssign
 {
+    /// Squares of what the core computes with neither overflow nor vanish.
+    const SQUARES_FIT: bool;
+
     /// A literal. Folds to a constant after inlining; saturates where the type must.
     fn lit(x: f64) -> Self;
     /// A parameter or a converted reading.
@@ -79,6 +82,8 @@ pub trait Scalar:
 macro_rules! float_scalar {
     ($t:ident, $sqrt:path, $sincos:path, $atan2:path) => {
         impl Scalar for $t {
+            const SQUARES_FIT: bool = true;
+
             #[inline(always)]
             fn lit(x: f64) -> Self {
                 x as $t
@@ -111,5 +116,5 @@ macro_rules! float_scalar {
     };
 }
 
-float_scalar!(f32, libm::sqrtf, libm::sincosf, libm::atan2f);
+float_scalar!(f32, crate::math::root::sqrt, crate::math::trig::sin_cos, libm::atan2f);
 float_scalar!(f64, libm::sqrt, libm::sincos, libm::atan2);

@@ -21,13 +21,22 @@ impl<'a, S: Scalar, const N: usize> Correction<'a, S, N> {
 
     /// Takes one row `h` with innovation `nu` and variance `r`. Returns this row's squared normalised innovation.
     pub fn row(&mut self, h: &SVector<S, N>, nu: S, r: S) -> S {
-        let b = *self.covariance * h;
+        let mut b = SVector::<S, N>::zeros();
+        for (column, &weight) in self.covariance.data.0.iter().zip(h) {
+            for (sum, &entry) in b.iter_mut().zip(column) {
+                *sum += entry * weight;
+            }
+        }
         let s = (h.dot(&b) + r).max(S::lit(1e-9));
         let y = nu - h.dot(&self.dx);
         let nis = y * y / s;
         let k = b / s;
         self.dx += k * y;
-        *self.covariance -= k * b.transpose();
+        for (column, &along) in self.covariance.data.0.iter_mut().zip(&b) {
+            for (entry, &gain) in column.iter_mut().zip(&k) {
+                *entry -= gain * along;
+            }
+        }
         nis
     }
 

@@ -4,6 +4,7 @@ pub mod filter;
 pub mod history;
 pub mod kalman;
 mod poles;
+pub mod root;
 pub mod so3;
 
 pub use poles::gains_from_poles;
@@ -19,3 +20,4 @@ pub fn wrap_pi<S: Scalar>(angle: S) -> S {
     let (s, c) = angle.sin_cos();
     s.atan2(c)
 }
+pub mod trig;

@@ -63,6 +63,10 @@ struct State<S: Scalar> {
 
     mode: Mode,
     armed_at: Option<Micros>,
+    /// All arming checks passed when they were last looked at.
+    is_armable: bool,
+    /// The estimators have moved on, and what flies on them has not yet.
+    is_due: bool,
     ground: GroundState,
     landed_at: Option<Micros>,
     failsafe: FailsafeState,
@@ -139,6 +143,8 @@ impl<S: Scalar> Vehicle<S> {
             specific_force: S::zero(),
             mode: Mode::default(),
             armed_at: None,
+            is_armable: false,
+            is_due: false,
             ground: GroundState::OnGround,
             landed_at: None,
             failsafe: FailsafeState::default(),
@@ -196,15 +202,17 @@ impl<S: Scalar> Vehicle<S> {
         let cos_tilt = self.state.estimate.attitude.cos_tilt();
         let sensors =
             self.config.sense.step(&mut self.state.sense, input.now, &input.sensors, cos_tilt);
-        let has_ticked = self.observe(&sensors, &mut events);
+        let was_due = core::mem::take(&mut self.state.is_due);
+        self.state.is_due = self.observe(&sensors, &mut events);
         self.see_rod(&sensors);
-        if has_ticked {
-            self.observe_rod(input.now);
-        }
         let reply: Option<Reply> =
             input.request.map(|request| self.handle(&request, &sensors, input.now, &mut events));
-        self.supervise(&sensors, input.now, &mut events);
-        if has_ticked {
+        // The estimators' millisecond is a full one: what flies on them takes the next.
+        if was_due || sensors.imu.is_none() {
+            self.supervise(&sensors, input.now, &mut events);
+        }
+        if was_due {
+            self.observe_rod(input.now);
             self.observe_link();
             self.fly(&sensors, input.now, &mut events);
         }

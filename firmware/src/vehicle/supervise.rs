@@ -84,6 +84,7 @@ impl<S: Scalar> Vehicle<S> {
             link_silence_us: self.state.link_at.map(|at| now.since(at)),
             sticks_are_up: self.sticks_are_up(now),
         };
+        self.state.is_armable = self.is_armable(sensors, now);
         if self.state.armed_at.is_none() {
             self.state.failsafe = crate::supervisor::FailsafeState::default();
             return;
