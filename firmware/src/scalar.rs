@@ -112,6 +112,10 @@ macro_rules! float_scalar {
             fn is_finite(self) -> bool {
                 $t::is_finite(self)
             }
+            #[inline(always)]
+            fn abs(self) -> Self {
+                $t::abs(self)
+            }
         }
     };
 }

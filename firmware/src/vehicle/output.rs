@@ -72,6 +72,8 @@ pub struct StepOutput<S: Scalar = f32> {
 }
 
 impl<S: Scalar> Vehicle<S> {
+    // Not inlined, it builds the output where the caller wants it; inlined, it is built twice.
+    #[inline(never)]
     pub(super) fn report(
         &self,
         now: Micros,

@@ -1,6 +1,6 @@
 //! Tasks and what they share.
 
-use crate::{board, crash, stack, telemetry};
+use crate::{board, crash, telemetry};
 use core::sync::atomic::Ordering;
 use heapless::spsc::{Consumer, Producer, Queue};
 use stm32f4xx_hal::pac;
@@ -8,6 +8,7 @@ use tautline_board::comms::Comms;
 use tautline_board::flight::Flight;
 use tautline_board::inbox::Inbox;
 use tautline_board::settings::Settings;
+use tautline_cortex::stack;
 use tautline_firmware::param::Params;
 use tautline_firmware::vehicle::StepOutput;
 

@@ -35,6 +35,4 @@ mod board;
 #[cfg(target_os = "none")]
 mod bytes;
 #[cfg(target_os = "none")]
-mod stack;
-#[cfg(target_os = "none")]
 mod telemetry;

@@ -195,7 +195,7 @@ fn fault() {
 }
 
 fn counts(steps: u32, instructions: u64, worst: u32, lost_outputs: u32) -> Counts {
-    let (stack, stack_room) = crate::stack::depth().unwrap_or((0, 0));
+    let (stack, stack_room) = tautline_cortex::stack::depth().unwrap_or((0, 0));
     Counts { steps, instructions, worst, lost_outputs, stack, stack_room }
 }
 

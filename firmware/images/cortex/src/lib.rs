@@ -1,0 +1,8 @@
+//! What every image for a Cortex-M3 or better needs and no other crate gives.
+
+#![cfg_attr(target_os = "none", no_std)]
+
+#[cfg(target_os = "none")]
+mod copy;
+#[cfg(target_os = "none")]
+pub mod stack;
