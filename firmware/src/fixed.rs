@@ -175,7 +175,7 @@ fn isqrt(n: u64) -> u64 {
 }
 
 impl Scalar for Q16 {
-    const SQUARES_FIT: bool = false;
+    const IS_FLOATING: bool = false;
 
     #[inline(always)]
     fn lit(x: f64) -> Self {

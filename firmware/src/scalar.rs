@@ -22,8 +22,8 @@ pub trait Scalar:
     + ClosedMulAssign
     + ClosedDivAssign
 {
-    /// Squares of what the core computes with neither overflow nor vanish.
-    const SQUARES_FIT: bool;
+    /// Squares and reciprocals of what the core computes with neither overflow nor vanish.
+    const IS_FLOATING: bool;
 
     /// A literal. Folds to a constant after inlining; saturates where the type must.
     fn lit(x: f64) -> Self;
@@ -82,7 +82,7 @@ pub trait Scalar:
 macro_rules! float_scalar {
     ($t:ident, $sqrt:path, $sincos:path, $atan2:path) => {
         impl Scalar for $t {
-            const SQUARES_FIT: bool = true;
+            const IS_FLOATING: bool = true;
 
             #[inline(always)]
             fn lit(x: f64) -> Self {

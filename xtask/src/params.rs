@@ -2,7 +2,7 @@
 
 use crate::{Outcome, root};
 use std::fmt::Write;
-use tautline_firmware::param::{Kind, META};
+use tautline_firmware::param::{DOCS, Kind, META};
 
 const FILE: &str = "docs/parameters.md";
 
@@ -13,7 +13,7 @@ fn text() -> String {
          Those of the groups Vehicle, Motors, Sensors and Tether can only be set on the ground.\n",
     );
     let mut group = "";
-    for meta in META {
+    for (meta, doc) in META.iter().zip(DOCS) {
         if meta.group != group {
             group = meta.group;
             let _ = write!(
@@ -21,9 +21,9 @@ fn text() -> String {
                 "\n## {group}\n\n| name | default | range | unit | meaning |\n|---|---|---|---|---|\n"
             );
         }
-        let unit = if meta.unit.is_empty() { "-" } else { meta.unit };
+        let unit = if doc.unit.is_empty() { "-" } else { doc.unit };
         let whole = if meta.kind == Kind::Int { " (whole)" } else { "" };
-        let doc = meta.doc.trim();
+        let doc = doc.text.trim();
         let _ = writeln!(
             out,
             "| `{}` | {} | {} to {}{whole} | {unit} | {doc} |",

@@ -17,9 +17,10 @@
 
 pub mod comms;
 pub mod crash;
-pub mod flight;
 pub mod inbox;
 pub mod settings;
 pub mod slow;
 pub mod status;
 pub mod wire;
+
+pub use tautline_flight as flight;

@@ -65,6 +65,9 @@ pub enum Ask<'a> {
     Counts(Counts),
 }
 
+/// More instructions than a step should take.
+pub const DEAR: u32 = 12_000;
+
 /// What was counted since power-up.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Counts {
@@ -74,6 +77,10 @@ pub struct Counts {
     pub instructions: u64,
     /// Instructions of the dearest.
     pub worst: u32,
+    /// Which step that was.
+    pub worst_step: u32,
+    /// Steps of more than [`DEAR`] instructions.
+    pub dear: u32,
     /// Outputs that found the queue to the communications task full.
     pub lost_outputs: u32,
     /// Deepest stack so far, bytes.

@@ -13,6 +13,10 @@ pub struct Correction<'a, S: Scalar, const N: usize> {
     dx: SVector<S, N>,
 }
 
+fn dot<S: Scalar, const N: usize>(a: &[S; N], b: &[S; N]) -> S {
+    a.iter().zip(b).fold(S::zero(), |sum, (&a, &b)| sum + a * b)
+}
+
 impl<'a, S: Scalar, const N: usize> Correction<'a, S, N> {
     /// Starts with no correction.
     pub fn new(covariance: &'a mut SMatrix<S, N, N>) -> Self {
@@ -21,17 +25,17 @@ impl<'a, S: Scalar, const N: usize> Correction<'a, S, N> {
 
     /// Takes one row `h` with innovation `nu` and variance `r`. Returns this row's squared normalised innovation.
     pub fn row(&mut self, h: &SVector<S, N>, nu: S, r: S) -> S {
-        let mut b = SVector::<S, N>::zeros();
-        for (column, &weight) in self.covariance.data.0.iter().zip(h) {
-            for (sum, &entry) in b.iter_mut().zip(column) {
-                *sum += entry * weight;
-            }
-        }
-        let s = (h.dot(&b) + r).max(S::lit(1e-9));
-        let y = nu - h.dot(&self.dx);
+        let ([h], [dx]) = (&h.data.0, &mut self.dx.data.0);
+        // Symmetric: its columns are its rows.
+        let b = self.covariance.data.0.each_ref().map(|column| dot(column, h));
+        let s = (dot(h, &b) + r).max(S::lit(1e-9));
+        let y = nu - dot(h, dx);
         let nis = y * y / s;
-        let k = b / s;
-        self.dx += k * y;
+        let inverse = S::one() / s;
+        let k = b.map(|b| if S::IS_FLOATING { b * inverse } else { b / s });
+        for (sum, &gain) in dx.iter_mut().zip(&k) {
+            *sum += gain * y;
+        }
         for (column, &along) in self.covariance.data.0.iter_mut().zip(&b) {
             for (entry, &gain) in column.iter_mut().zip(&k) {
                 *entry -= gain * along;

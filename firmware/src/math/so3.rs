@@ -19,7 +19,7 @@ pub fn cross<S: Scalar>(a: &V3<S>, b: &V3<S>) -> V3<S> {
 /// neither saturate nor vanish.
 #[inline]
 pub fn norm<S: Scalar>(v: &V3<S>) -> S {
-    if S::SQUARES_FIT {
+    if S::IS_FLOATING {
         return dot(v, v).sqrt();
     }
     let largest = v.x.abs().max(v.y.abs()).max(v.z.abs());

@@ -7,7 +7,7 @@
 
 mod tree;
 
-pub use tree::{META, Params};
+pub use tree::{DOCS, META, Params};
 
 /// How a value travels and is shown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -25,8 +25,6 @@ pub struct Meta {
     pub name: &'static str,
     /// Heading in the documentation.
     pub group: &'static str,
-    /// Unit, SI unless it says so; empty for a pure number.
-    pub unit: &'static str,
     /// Real or whole.
     pub kind: Kind,
     /// Value at first start.
@@ -35,8 +33,15 @@ pub struct Meta {
     pub min: f32,
     /// Largest value accepted.
     pub max: f32,
+}
+
+/// What a reader wants to know of a parameter and a board does not: texts that no image shall carry.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Doc {
+    /// Unit, SI unless it says so; empty for a pure number.
+    pub unit: &'static str,
     /// What it does.
-    pub doc: &'static str,
+    pub text: &'static str,
 }
 
 /// Why a value was refused; the stored one stays.
@@ -111,13 +116,16 @@ macro_rules! params {
             $crate::param::Meta {
                 name: $name,
                 group: $group,
-                unit: $unit,
                 kind: $crate::param::Kind::$kind,
                 default: $default,
                 min: $min,
                 max: $max,
-                doc: concat!($($doc),+),
             },
+        )+)+];
+
+        /// What each is, in the same order.
+        pub const DOCS: &[$crate::param::Doc] = &[$($(
+            $crate::param::Doc { unit: $unit, text: concat!($($doc),+) },
         )+)+];
 
         $($(

@@ -65,8 +65,8 @@ struct State<S: Scalar> {
     armed_at: Option<Micros>,
     /// All arming checks passed when they were last looked at.
     is_armable: bool,
-    /// The estimators have moved on, and what flies on them has not yet.
-    is_due: bool,
+    /// Since the estimators moved on.
+    phase: OuterPhase,
     ground: GroundState,
     landed_at: Option<Micros>,
     failsafe: FailsafeState,
@@ -109,6 +109,19 @@ struct State<S: Scalar> {
     actuation: Actuation<S>,
 }
 
+/// The outer loop's work, a part in each millisecond after the filter's own, so that none is much dearer than
+/// another.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+enum OuterPhase {
+    /// Until the filter's next step.
+    #[default]
+    Idle,
+    /// The observers beside it.
+    Observe,
+    /// Supervisor, guidance, attitude.
+    Fly,
+}
+
 /// What moves in a taut-link mode.
 #[derive(Clone, Copy, Debug)]
 struct TautFlight<S: Scalar> {
@@ -144,7 +157,7 @@ impl<S: Scalar> Vehicle<S> {
             mode: Mode::default(),
             armed_at: None,
             is_armable: false,
-            is_due: false,
+            phase: OuterPhase::Idle,
             ground: GroundState::OnGround,
             landed_at: None,
             failsafe: FailsafeState::default(),
@@ -202,19 +215,24 @@ impl<S: Scalar> Vehicle<S> {
         let cos_tilt = self.state.estimate.attitude.cos_tilt();
         let sensors =
             self.config.sense.step(&mut self.state.sense, input.now, &input.sensors, cos_tilt);
-        let was_due = core::mem::take(&mut self.state.is_due);
-        self.state.is_due = self.observe(&sensors, &mut events);
+        let phase = core::mem::take(&mut self.state.phase);
+        if self.observe(&sensors, &mut events) {
+            self.state.phase = OuterPhase::Observe;
+        }
         self.see_rod(&sensors);
         let reply: Option<Reply> =
             input.request.map(|request| self.handle(&request, &sensors, input.now, &mut events));
-        // The estimators' millisecond is a full one: what flies on them takes the next.
-        if was_due || sensors.imu.is_none() {
+        if phase == OuterPhase::Fly || sensors.imu.is_none() {
             self.supervise(&sensors, input.now, &mut events);
         }
-        if was_due {
-            self.observe_rod(input.now);
-            self.observe_link();
-            self.fly(&sensors, input.now, &mut events);
+        match phase {
+            OuterPhase::Idle => {}
+            OuterPhase::Observe => {
+                self.observe_rod(input.now);
+                self.observe_link();
+                self.state.phase = OuterPhase::Fly;
+            }
+            OuterPhase::Fly => self.fly(&sensors, input.now, &mut events),
         }
         self.actuate(&sensors);
         let reply = reply.or_else(|| self.state.echo.take().map(Reply::echo));

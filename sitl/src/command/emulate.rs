@@ -7,7 +7,7 @@ use crate::pilot::Progress;
 use crate::scenario::Scenario;
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
-use tautline_board::wire::Injury;
+use tautline_board::wire::{DEAR, Injury};
 use tautline_firmware::param::Params;
 
 /// Options of an emulated flight.
@@ -110,10 +110,12 @@ fn report(there: &Outcome) {
         there.time / there.took
     );
     say!(
-        "Vehicle::step: {:.0} instructions on average, {} at worst, over {} steps; {} outputs lost.",
+        "Vehicle::step: {:.0} instructions on average over {} steps, {} at worst (step {}), {} of more than {DEAR}; {} outputs lost.",
         counts.instructions as f64 / f64::from(counts.steps.max(1)),
-        counts.worst,
         counts.steps,
+        counts.worst,
+        counts.worst_step,
+        counts.dear,
         counts.lost_outputs
     );
     say!("Stack: {} of {} bytes.", counts.stack, counts.stack_room);

@@ -101,9 +101,10 @@ mod tasks {
         let flight = cx.local.flight;
         let now = board::now();
         let imu = flight.read(now, board::take_ready());
-        let input = cx.shared.inbox.lock(|inbox| Flight::<board::ImuBus, board::Motor>::gather(now, imu, inbox));
+        let mut input = cx.shared.inbox.lock(|inbox| inbox.take(now));
+        input.sensors.imu = imu;
         cx.local.meter.begin();
-        let out = flight.vehicle.step(&input);
+        let out = flight.step(&input);
         cx.local.meter.end();
         flight.drive(&out);
         crash::ARMED.store(out.is_armed, Ordering::Relaxed);

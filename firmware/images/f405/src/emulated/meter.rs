@@ -1,10 +1,11 @@
 //! What does a step cost? Under `-icount shift=0` TIM2 counts instructions.
 
-use super::{counts, host};
+use super::host;
 use core::sync::atomic::{AtomicU32, Ordering};
 use stm32f4xx_hal::pac::TIM2;
 use stm32f4xx_hal::rcc::{Enable, Rcc};
-use tautline_board::wire::Ask;
+use tautline_board::wire::{Ask, Counts, DEAR};
+use tautline_cortex::stack;
 
 /// Told to the host once a second and at the end.
 const PERIOD: u32 = 1000;
@@ -13,7 +14,13 @@ static STEPS: AtomicU32 = AtomicU32::new(0);
 static LOW: AtomicU32 = AtomicU32::new(0);
 static HIGH: AtomicU32 = AtomicU32::new(0);
 static WORST: AtomicU32 = AtomicU32::new(0);
+static WORST_STEP: AtomicU32 = AtomicU32::new(0);
+static DEAR_STEPS: AtomicU32 = AtomicU32::new(0);
 static LOST: AtomicU32 = AtomicU32::new(0);
+
+fn add(count: &AtomicU32, more: u32) {
+    count.store(count.load(Ordering::Relaxed).wrapping_add(more), Ordering::Relaxed);
+}
 
 /// Around each step.
 pub struct Meter {
@@ -37,12 +44,14 @@ impl Meter {
     pub fn end(&mut self) {
         let spent = self.timer.cnt().read().bits().wrapping_sub(self.began);
         let low = LOW.load(Ordering::Relaxed);
-        LOW.store(low.wrapping_add(spent), Ordering::Relaxed);
-        if low.checked_add(spent).is_none() {
-            HIGH.store(HIGH.load(Ordering::Relaxed) + 1, Ordering::Relaxed);
-        }
-        WORST.store(WORST.load(Ordering::Relaxed).max(spent), Ordering::Relaxed);
+        add(&LOW, spent);
+        add(&HIGH, u32::from(low.checked_add(spent).is_none()));
         let steps = STEPS.load(Ordering::Relaxed) + 1;
+        if spent > WORST.load(Ordering::Relaxed) {
+            WORST.store(spent, Ordering::Relaxed);
+            WORST_STEP.store(steps, Ordering::Relaxed);
+        }
+        add(&DEAR_STEPS, u32::from(spent > DEAR));
         STEPS.store(steps, Ordering::Relaxed);
         if steps.is_multiple_of(PERIOD) {
             Self::report();
@@ -51,16 +60,21 @@ impl Meter {
 
     /// An output found the queue full.
     pub fn lost(&mut self) {
-        LOST.store(LOST.load(Ordering::Relaxed) + 1, Ordering::Relaxed);
+        add(&LOST, 1);
     }
 
     pub fn report() {
-        let total = u64::from(HIGH.load(Ordering::Relaxed)) << 32 | u64::from(LOW.load(Ordering::Relaxed));
-        host::post(&Ask::Counts(counts(
-            STEPS.load(Ordering::Relaxed),
-            total,
-            WORST.load(Ordering::Relaxed),
-            LOST.load(Ordering::Relaxed),
-        )));
+        let read = |count: &AtomicU32| count.load(Ordering::Relaxed);
+        let (stack, stack_room) = stack::depth().unwrap_or((0, 0));
+        host::post(&Ask::Counts(Counts {
+            steps: read(&STEPS),
+            instructions: u64::from(read(&HIGH)) << 32 | u64::from(read(&LOW)),
+            worst: read(&WORST),
+            worst_step: read(&WORST_STEP),
+            dear: read(&DEAR_STEPS),
+            lost_outputs: read(&LOST),
+            stack,
+            stack_room,
+        }));
     }
 }

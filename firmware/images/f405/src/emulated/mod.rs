@@ -18,7 +18,7 @@ use tautline_board::comms::{Comms, LogFile};
 use tautline_board::flight::protocol;
 use tautline_board::settings::Settings;
 use tautline_board::slow::SlowDevices;
-use tautline_board::wire::{Ask, Counts, Injury, Reply, Status};
+use tautline_board::wire::{Ask, Injury, Reply, Status};
 use tautline_firmware::param::Params;
 use tautline_firmware::signal::ROTORS;
 use tautline_firmware::time::Micros;
@@ -192,11 +192,6 @@ impl Background {
 fn fault() {
     // SAFETY: it faults, which is what is wanted.
     unsafe { core::ptr::read_volatile(0xF000_0000 as *const u32) };
-}
-
-fn counts(steps: u32, instructions: u64, worst: u32, lost_outputs: u32) -> Counts {
-    let (stack, stack_room) = tautline_cortex::stack::depth().unwrap_or((0, 0));
-    Counts { steps, instructions, worst, lost_outputs, stack, stack_room }
 }
 
 /// The reply is of another kind than the question: the host is not ours.

@@ -1,6 +1,11 @@
 //! One inertial sample, at the highest priority: read, step, motors.
+//!
+//! A crate of its own because generic code is built as the crate that names its types: here, for speed, while an
+//! image is built for size.
 
-use crate::inbox::Inbox;
+#![no_std]
+#![forbid(unsafe_code)]
+
 use embedded_hal::delay::DelayNs;
 use embedded_hal::pwm::SetDutyCycle;
 use embedded_hal::spi::SpiDevice;
@@ -41,11 +46,24 @@ pub fn raw_imu(reading: &icm42688::Reading) -> RawImu {
     RawImu { accel: reading.accel, gyro: reading.gyro, temperature: reading.temperature }
 }
 
+/// [`Vehicle::step`] as boards fly it.
+#[inline(never)]
+pub fn step(vehicle: &mut Vehicle<f32>, input: &StepInput) -> StepOutput {
+    vehicle.step(input)
+}
+
+/// [`Vehicle::new`] as boards fly it.
+#[inline(never)]
+#[must_use]
+pub fn vehicle(params: Params, scale: ImuScale) -> Vehicle<f32> {
+    Vehicle::new(params, scale)
+}
+
 impl<SPI: SpiDevice, PWM: SetDutyCycle> Flight<SPI, PWM> {
     /// On the ground, disarmed; `spi` is the inertial sensor's.
     pub fn new(spi: SPI, motors: MotorOutputs<PWM>, params: Params) -> Self {
         let imu = Icm42688::new(spi, icm42688::Config::default());
-        let vehicle = Vehicle::new(params, scale(&imu));
+        let vehicle = vehicle(params, scale(&imu));
         Self { imu, motors, vehicle }
     }
 
@@ -63,11 +81,9 @@ impl<SPI: SpiDevice, PWM: SetDutyCycle> Flight<SPI, PWM> {
         reading.map(|reading| Sample { at, value: raw_imu(&reading) })
     }
 
-    /// What the step gets.
-    pub fn gather(now: Micros, imu: Option<Sample<RawImu>>, inbox: &mut Inbox) -> StepInput {
-        let mut input = inbox.take(now);
-        input.sensors.imu = imu;
-        input
+    /// One step of the autopilot.
+    pub fn step(&mut self, input: &StepInput) -> StepOutput {
+        step(&mut self.vehicle, input)
     }
 
     /// The motors' pulses of a step.
