@@ -90,8 +90,8 @@ impl<const PORTS: usize> Comms<PORTS> {
 
 /// What a log is told.
 pub struct LogFile<'a> {
-    /// A new file begins.
-    pub begin: &'a mut dyn FnMut(),
+    /// A new file shall begin; false when it cannot yet.
+    pub begin: &'a mut dyn FnMut() -> bool,
     /// Bytes for it.
     pub write: Port<'a>,
     /// It ends.
@@ -100,8 +100,7 @@ pub struct LogFile<'a> {
 
 impl Log {
     fn write(&mut self, out: &StepOutput, params: &Params, file: &mut LogFile) {
-        if out.is_armed && self.log.is_none() {
-            (file.begin)();
+        if out.is_armed && self.log.is_none() && (file.begin)() {
             self.full_since = None;
             let write = &mut file.write;
             self.log = Some(FlightLog::start(out.now, params, |_, _| {}, &mut |bytes| {

@@ -7,6 +7,7 @@
 //! | [`slow`] | barometer, rangefinder, battery, each at its own pace |
 //! | [`inbox`] | what the slower tasks have for the next step |
 //! | [`comms`] | MAVLink on every port, and the flight log |
+//! | [`blackbox`] | the log on a card |
 //! | [`settings`] | parameters from flash at boot, and back when they change |
 //! | [`crash`] | what is left of a panic or a fault after the reset |
 //! | [`status`] | what somebody on the ground wants to know of each step |
@@ -15,6 +16,7 @@
 #![cfg_attr(not(test), no_std)]
 #![forbid(unsafe_code)]
 
+pub mod blackbox;
 pub mod comms;
 pub mod crash;
 pub mod inbox;

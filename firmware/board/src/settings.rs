@@ -33,12 +33,15 @@ fn index_of(name: &Name) -> Option<usize> {
 }
 
 impl<F: NorFlash> Settings<F> {
-    /// Reads what was stored; a value that this firmware refuses leaves its default.
+    /// Reads what was stored over a board's `defaults`; a value that this firmware refuses leaves its default.
     ///
     /// # Errors
     /// [`StorageError`].
-    pub fn load(mut store: ParameterStore<F>) -> Result<(Self, Loaded), StorageError<F::Error>> {
-        let mut stored = Params::default();
+    pub fn load(
+        mut store: ParameterStore<F>,
+        defaults: Params,
+    ) -> Result<(Self, Loaded), StorageError<F::Error>> {
+        let mut stored = defaults;
         let mut loaded = Loaded::default();
         store.load(|name, value| {
             let is_good = index_of(name).is_some_and(|index| stored.set(index, value).is_ok());

@@ -45,7 +45,7 @@ impl Devices {
         let flash = FakeFlash::<SECTOR, WORD>::new(4, 1);
         let wrong = |e| io::Error::other(format!("parameter flash: {e:?}"));
         let store = ParameterStore::try_new(flash, RANGE).map_err(wrong)?;
-        let (mut settings, _) = Settings::load(store).map_err(wrong)?;
+        let (mut settings, _) = Settings::load(store, Params::default()).map_err(wrong)?;
         while settings.store_next(params).map_err(wrong)? {}
         let escs = std::array::from_fn(|_| FakeEsc::new(outside.clock().clone(), protocol));
         Ok(Self { outside, escs, pulses: [0; MOTORS], flash: Some(settings.into_flash()) })
@@ -59,7 +59,7 @@ impl Devices {
         let wrong = |e| io::Error::other(format!("parameter flash: {e:?}"));
         let flash = self.flash.take().unwrap_or_else(|| FakeFlash::new(4, 1));
         let store = ParameterStore::try_new(flash, RANGE).map_err(wrong)?;
-        let (settings, _) = Settings::load(store).map_err(wrong)?;
+        let (settings, _) = Settings::load(store, Params::default()).map_err(wrong)?;
         let params = *settings.params();
         self.flash = Some(settings.into_flash());
         Ok(params)

@@ -45,6 +45,8 @@ mod tasks {
         devices: board::Devices,
         settings: Option<Settings<board::ParameterFlash>>,
         background: board::Background,
+        usb: board::Usb,
+        listener: board::Listener,
     }
 
     #[init(local = [
@@ -57,7 +59,7 @@ mod tasks {
         let record = crash::take();
         let mut board = board::start(cx.device, cx.core, cx.local.memory, cx.local.board_memory);
         let settings = board::open_settings(board.flash);
-        let params = settings.as_ref().map_or_else(Params::default, |s| *s.params());
+        let params = settings.as_ref().map_or_else(board::defaults, |s| *s.params());
 
         let motors = board.motors.run(&params);
         let mut flight = Flight::new(board.imu, motors, params);
@@ -91,6 +93,8 @@ mod tasks {
                 devices: board.devices,
                 settings,
                 background: board.background,
+                usb: board.usb,
+                listener: board.listener,
             },
         )
     }
@@ -203,14 +207,14 @@ mod tasks {
         board::pulse();
     }
 
-    #[task(binds = OTG_FS, priority = 3)]
-    fn usb(_: usb::Context) {
-        board::serve_usb();
+    #[task(binds = OTG_FS, priority = 3, local = [usb])]
+    fn usb(cx: usb::Context) {
+        cx.local.usb.serve();
     }
 
-    #[task(binds = USART6, priority = 4)]
-    fn range(_: range::Context) {
-        board::serve_range();
+    #[task(binds = USART6, priority = 4, local = [listener])]
+    fn range(cx: range::Context) {
+        cx.local.listener.serve();
     }
 
     /// The supply is going.

@@ -30,6 +30,10 @@ use tautline_hal_shim::parameters::ParameterStore;
 /// Barometer, rangefinder and battery on their buses.
 pub type Devices = SlowDevices<SlowBus, RangePort, Pins, Pins>;
 
+/// Neither has anything to do.
+pub type Usb = Nobody;
+pub type Listener = Nobody;
+
 /// What the board needs for ever: nothing here.
 pub struct Memory;
 
@@ -51,6 +55,8 @@ pub struct Board {
     pub background: Background,
     pub delay: Delay,
     pub meter: Meter,
+    pub usb: Nobody,
+    pub listener: Nobody,
     pub notice: Option<String<50>>,
 }
 
@@ -77,13 +83,21 @@ pub fn start(
         background: Background,
         delay: Delay,
         meter: Meter::start(device.TIM2, &mut rcc),
+        usb: Nobody,
+        listener: Nobody,
         notice: None,
     }
 }
 
 pub fn open_settings(flash: ParameterFlash) -> Option<Settings<ParameterFlash>> {
+    let defaults = defaults();
     let store = ParameterStore::try_new(flash, flash::RANGE).ok()?;
-    Settings::load(store).ok().map(|(settings, _)| settings)
+    Settings::load(store, defaults).ok().map(|(settings, _)| settings)
+}
+
+/// The reference board's.
+pub fn defaults() -> Params {
+    Params::default()
 }
 
 /// The motors before anybody knows their protocol.
@@ -118,11 +132,16 @@ pub fn take_ready() -> bool {
     READY.swap(false, Ordering::Relaxed)
 }
 
-/// Edges, timer, USB and the rangefinder's UART have no part here.
+/// Edges, timer, watchdog, USB and the rangefinder's UART have no part here.
 pub fn data_ready() {}
 pub fn pulse() {}
-pub fn serve_usb() {}
-pub fn serve_range() {}
+
+/// Nothing to serve.
+pub struct Nobody;
+
+impl Nobody {
+    pub fn serve(&mut self) {}
+}
 
 /// What the host wants of each step.
 pub fn stepped(out: &StepOutput) {
@@ -150,7 +169,7 @@ pub struct LogSink;
 impl LogSink {
     pub fn write(&mut self, comms: &mut Comms<2>, out: &StepOutput) {
         let mut file = LogFile {
-            begin: &mut || {},
+            begin: &mut || true,
             write: &mut |bytes| {
                 for piece in bytes.chunks(512) {
                     host::post(&Ask::Log(piece));
