@@ -47,3 +47,39 @@ pub fn python_clients() -> Result<String, String> {
     }
     Ok(PYTHON.to_owned())
 }
+
+const FLIP_LINK: &str = "0.1.12";
+
+/// The linker that puts the stack below the data, in the project's own folder.
+pub fn flip_link() -> Result<String, String> {
+    let program = root().join("target/tools/bin/flip-link");
+    if !program.exists() {
+        println!("installing flip-link {FLIP_LINK} into target/tools from crates.io");
+        run(
+            "cargo",
+            &["install", "flip-link", "--version", FLIP_LINK, "--locked", "--root", "target/tools"],
+        )?;
+    }
+    let program = program.canonicalize().map_err(|e| format!("flip-link: {e}"))?;
+    Ok(program.display().to_string())
+}
+
+/// QEMU for Arm: Debian's package, where there is none yet.
+pub fn qemu() -> Result<(), String> {
+    const PROGRAM: &str = "qemu-system-arm";
+    if Command::new(PROGRAM).arg("--version").output().is_ok() {
+        return Ok(());
+    }
+    let apt = ["apt-get", "install", "-y", "--no-install-recommends", PROGRAM];
+    println!("installing Debian's package {PROGRAM}");
+    let is_root = Command::new("id")
+        .arg("-u")
+        .output()
+        .is_ok_and(|out| String::from_utf8_lossy(&out.stdout).trim() == "0");
+    let needs = |e| format!("{e}\nQEMU for Arm is needed: install the package {PROGRAM}");
+    let as_root = |arguments: &[&str]| match arguments {
+        [program, rest @ ..] if is_root => run(program, rest),
+        _ => run("sudo", &[&["-n"], arguments].concat()),
+    };
+    as_root(&["apt-get", "update", "-q"]).and_then(|()| as_root(&apt)).map_err(needs)
+}

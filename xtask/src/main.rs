@@ -1,6 +1,7 @@
 //! Project tasks. `cargo xtask ci` passes all tests from a fresh clone; the others are its parts.
 
 mod ci;
+mod images;
 mod install;
 mod params;
 
@@ -14,7 +15,11 @@ const USAGE: &str = "usage: cargo xtask TASK
   ci             install what is missing, then check everything (what .ci/run runs)
   params         write docs/parameters.md from the parameter table; --check only compares
   nopanic        link Vehicle::step with a panic handler that does not exist
-  clients        the pymavlink and pyulog flights alone";
+  clients        the pymavlink and pyulog flights alone
+  size           build all images, print flash and static RAM against their limits; --json
+  flash IMAGE    build an image and write it to a board by probe-rs
+  emulate        fly the F405 image under QEMU beside the same flights here; further arguments go to
+                 `sitl emulate` (cargo sitl emulate --help)";
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -25,6 +30,10 @@ fn main() -> ExitCode {
         ["params", "--check"] => params::check(),
         ["nopanic"] => ci::nopanic(),
         ["clients"] => ci::clients(),
+        ["size"] => images::size(false),
+        ["size", "--json"] => images::size(true),
+        ["flash", image] => images::flash(image),
+        ["emulate", more @ ..] => images::emulate(more),
         ["help" | "--help" | "-h"] => {
             println!("{USAGE}");
             return ExitCode::SUCCESS;

@@ -125,7 +125,7 @@ impl<S: Scalar> PositionLoop<S> {
             tension_max: f(p.tension_max),
             thrust_min: f(p.thrust_min),
             thrust_max: f(p.thrust_max),
-            tan_tilt_max: f(libm::tanf(p.tilt_max)),
+            tan_tilt_max: f(crate::math::trig::tan(p.tilt_max)),
         }
     }
 

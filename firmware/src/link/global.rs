@@ -1,12 +1,14 @@
 //! Synthetic global position: ground stations draw maps. A flat earth around the anchor.
 
+use crate::math::trig::sin_cos;
 use crate::param::Params;
 
 /// Metres per degree of latitude.
 const METRES_PER_DEGREE: f64 = 111_319.49;
 
 fn metres_per_degree_east(params: &Params) -> f64 {
-    METRES_PER_DEGREE * libm::cos(f64::from(params.home_latitude).to_radians()).max(0.01)
+    let (_, cos) = sin_cos(params.home_latitude.to_radians());
+    METRES_PER_DEGREE * f64::from(cos).max(0.01)
 }
 
 /// Latitude and longitude, degrees·1e7, of a place north and east of the anchor, m.

@@ -2,6 +2,7 @@
 
 use crate::frames::V3;
 use crate::scalar::Scalar;
+use crate::math::trig::{sin_cos, tan};
 use core::f32::consts::PI;
 
 /// First-order low-pass coefficient `1 - exp(-dt/tau)`; 1 (no filtering) for `tau <= 0`.
@@ -54,7 +55,7 @@ impl<S: Scalar> Biquad<S> {
         if !(cutoff_hz > 0.0 && cutoff_hz < 0.45 * rate_hz) {
             return Self::through();
         }
-        let k = libm::tanf(PI * cutoff_hz / rate_hz);
+        let k = tan(PI * cutoff_hz / rate_hz);
         let (k2, q) = (k * k, core::f32::consts::SQRT_2 * k);
         Self::from_f32([k2, 2.0 * k2, k2], [1.0 + q + k2, 2.0 * (k2 - 1.0), 1.0 - q + k2])
     }
@@ -66,8 +67,8 @@ impl<S: Scalar> Biquad<S> {
             return Self::through();
         }
         let w0 = 2.0 * PI * centre_hz / rate_hz;
-        let alpha = libm::tanf(PI * bandwidth_hz / rate_hz);
-        let c = -2.0 * libm::cosf(w0);
+        let alpha = tan(PI * bandwidth_hz / rate_hz);
+        let c = -2.0 * sin_cos(w0).1;
         Self::from_f32([1.0, c, 1.0], [1.0 + alpha, c, 1.0 - alpha])
     }
 

@@ -32,6 +32,13 @@ pub fn sin_cos(x: f32) -> (f32, f32) {
     }
 }
 
+/// Tangent.
+#[must_use]
+pub fn tan(x: f32) -> f32 {
+    let (sin, cos) = sin_cos(x);
+    sin / cos
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

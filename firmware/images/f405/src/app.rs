@@ -63,11 +63,11 @@ mod tasks {
 
         let motors = board.motors.run(&params);
         let mut flight = Flight::new(board.imu, motors, params);
-        if let Err(error) = flight.set_up(&mut board.delay) {
-            defmt::error!("inertial sensor: {}", defmt::Debug2Format(&error));
+        if flight.set_up(&mut board.delay).is_err() {
+            defmt::error!("inertial sensor: no set-up");
         }
-        if let Err(error) = board.devices.set_up(&mut board.delay) {
-            defmt::warn!("barometer: {}", defmt::Debug2Format(&error));
+        if board.devices.set_up(&mut board.delay).is_err() {
+            defmt::warn!("barometer: no set-up");
         }
         let notice = record.text().or(board.notice);
         if let Some(notice) = &notice {
@@ -175,8 +175,8 @@ mod tasks {
         }
         if let Some(settings) = cx.local.settings {
             let params = cx.shared.params.lock(|params| *params);
-            if let Err(error) = settings.store_next(&params) {
-                defmt::error!("parameters: {}", defmt::Debug2Format(&error));
+            if settings.store_next(&params).is_err() {
+                defmt::error!("parameters: not stored");
                 // Once; the flash is worn or the range is full, and it would say so every millisecond.
                 *cx.local.settings = None;
             }

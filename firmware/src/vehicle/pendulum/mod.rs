@@ -24,6 +24,7 @@ use crate::frames::{Body, V3, World};
 use crate::math::wrap_pi;
 use crate::model::{LinkKind, PendulumModel};
 use crate::param::Params;
+use crate::math::trig::sin_cos;
 use crate::scalar::Scalar;
 use crate::signal::{Event, EventQueue, FlightReference, LoadReference};
 use crate::supervisor::Mode;
@@ -139,8 +140,8 @@ impl<S: Scalar> PendulumMode<S> {
             speed: f(p.pendulum_speed),
             rise,
             soft_start: f(p.pendulum_soft_start),
-            cos_cone: f(libm::cosf(p.pendulum_cone)),
-            cos_tilt_max: f(libm::cosf(p.pendulum_tilt_max)),
+            cos_cone: f(sin_cos(p.pendulum_cone).1),
+            cos_tilt_max: f(sin_cos(p.pendulum_tilt_max).1),
             error_max: f(p.pendulum_error_max),
             timeout_us: (p.pendulum_timeout * 1e6) as u64,
             delay: crate::estimate::capture::delay_steps(p.capture_delay),

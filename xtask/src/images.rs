@@ -1,0 +1,207 @@
+//! The flight images: building, sizes, flashing, flights under emulation.
+
+use crate::{Outcome, install, root, run, run_with};
+use object::{Object, ObjectSection, SectionFlags};
+use std::path::PathBuf;
+use std::process::Command;
+
+/// One image and its limits.
+pub struct Image {
+    /// What `cargo xtask size` calls it.
+    pub name: &'static str,
+    package: &'static str,
+    /// Its feature; the package's default is the reference board.
+    feature: &'static str,
+    target: &'static str,
+    /// Chip for probe-rs.
+    chip: &'static str,
+    /// Flash, bytes.
+    flash: u64,
+    /// Static RAM, bytes.
+    ram: u64,
+}
+
+const M4F: &str = "thumbv7em-none-eabihf";
+const PROFILE: &str = "flight";
+const KIB: u64 = 1024;
+
+/// All images.
+pub const IMAGES: [Image; 3] = [
+    Image {
+        name: "speedybee-f405-v4",
+        package: "tautline-f405",
+        feature: "speedybee-f405-v4",
+        target: M4F,
+        chip: "STM32F405RG",
+        flash: 256 * KIB,
+        ram: 64 * KIB,
+    },
+    Image {
+        name: "matek-f405-te",
+        package: "tautline-f405",
+        feature: "matek-f405-te",
+        target: M4F,
+        chip: "STM32F405RG",
+        flash: 256 * KIB,
+        ram: 64 * KIB,
+    },
+    Image {
+        name: "emulated-f405",
+        package: "tautline-f405",
+        feature: "emulated",
+        target: M4F,
+        chip: "",
+        flash: 256 * KIB,
+        ram: 64 * KIB,
+    },
+];
+
+/// What an image takes.
+pub struct Size {
+    flash: u64,
+    ram: u64,
+}
+
+impl Image {
+    /// Of this name.
+    pub fn named(name: &str) -> Result<&'static Self, String> {
+        IMAGES.iter().find(|image| image.name == name).ok_or_else(|| {
+            let known: Vec<&str> = IMAGES.iter().map(|image| image.name).collect();
+            format!("no image {name}; there are {}", known.join(", "))
+        })
+    }
+
+    /// Where the built image is.
+    pub fn path(&self) -> PathBuf {
+        root().join("target/images").join(format!("{}.elf", self.name))
+    }
+
+    /// Builds it, with the stack below the data.
+    pub fn build(&self) -> Outcome {
+        install::rust_targets(&[self.target])?;
+        let linker = install::flip_link()?;
+        let variable =
+            format!("CARGO_TARGET_{}_LINKER", self.target.to_uppercase().replace('-', "_"));
+        let arguments = [
+            "build",
+            "--locked",
+            "--profile",
+            PROFILE,
+            "-p",
+            self.package,
+            "--no-default-features",
+            "--features",
+            self.feature,
+            "--target",
+            self.target,
+        ];
+        run_with("cargo", &arguments, &[(&variable, &linker), ("DEFMT_LOG", "info")])?;
+        // Boards of a family share the name of their package: keep each image under its own.
+        let built = root().join("target").join(self.target).join(PROFILE).join(self.package);
+        let path = self.path();
+        let kept = path.parent().map_or(Ok(()), std::fs::create_dir_all);
+        kept.and_then(|()| std::fs::copy(&built, &path).map(drop))
+            .map_err(|e| format!("{}: {e}", path.display()))
+    }
+
+    /// Bytes of flash and static RAM.
+    pub fn size(&self) -> Result<Size, String> {
+        const ALLOC: u64 = 2;
+        let path = self.path();
+        let wrong = |e: String| format!("{}: {e}", path.display());
+        let bytes = std::fs::read(&path).map_err(|e| wrong(e.to_string()))?;
+        let file = object::File::parse(&*bytes).map_err(|e| wrong(e.to_string()))?;
+        let mut size = Size { flash: 0, ram: 0 };
+        for section in file.sections() {
+            let SectionFlags::Elf { sh_flags } = section.flags() else { continue };
+            if sh_flags & ALLOC == 0 {
+                continue;
+            }
+            let is_ram = section.address() >= 0x2000_0000;
+            let is_stored = section.file_range().is_some();
+            if is_ram {
+                size.ram += section.size();
+            }
+            if !is_ram || is_stored {
+                size.flash += section.size();
+            }
+        }
+        Ok(size)
+    }
+}
+
+/// Builds all images and checks their sizes.
+pub fn size(json: bool) -> Outcome {
+    for image in &IMAGES {
+        image.build()?;
+    }
+    let mut rows = Vec::new();
+    let mut passed = Vec::new();
+    if !json {
+        println!("\n{:<20} {:>9} {:>9}  {:>9} {:>9}", "image", "flash", "limit", "RAM", "limit");
+    }
+    for image in &IMAGES {
+        let Size { flash, ram } = image.size()?;
+        if json {
+            rows.push(format!(
+                "{{\"image\":\"{}\",\"flash_bytes\":{flash},\"flash_limit_bytes\":{},\"ram_bytes\":{ram},\"ram_limit_bytes\":{}}}",
+                image.name, image.flash, image.ram
+            ));
+        } else {
+            println!("{:<20} {flash:>9} {:>9}  {ram:>9} {:>9}", image.name, image.flash, image.ram);
+        }
+        if flash > image.flash || ram > image.ram {
+            passed.push(image.name);
+        }
+    }
+    if json {
+        println!("[{}]", rows.join(","));
+    }
+    if passed.is_empty() { Ok(()) } else { Err(format!("over the limit: {}", passed.join(", "))) }
+}
+
+/// Writes an image to a board by probe-rs, which must be there.
+pub fn flash(name: &str) -> Outcome {
+    let image = Image::named(name)?;
+    if image.chip.is_empty() {
+        return Err(format!("{name} is for an emulator"));
+    }
+    image.build()?;
+    let path = image.path().display().to_string();
+    let found = Command::new("probe-rs").arg("--version").output().is_ok();
+    if !found {
+        return Err(format!(
+            "probe-rs is not installed (https://probe.rs); the image is {path}; docs/boards.md says how to flash it by DFU"
+        ));
+    }
+    run("probe-rs", &["download", "--chip", image.chip, "--verify", &path])?;
+    run("probe-rs", &["reset", "--chip", image.chip])
+}
+
+const BOARD_SCENARIO: &str = "sitl/scenarios/board.toml";
+
+/// Flies the emulated F405: a whole flight twice, a hard fault, a panic; extra arguments go to `sitl emulate`.
+pub fn emulate(more: &[&str]) -> Outcome {
+    install::qemu()?;
+    let image = Image::named("emulated-f405")?;
+    image.build()?;
+    run("cargo", &["build", "--release", "--locked", "-p", "tautline-sitl"])?;
+    let path = image.path().display().to_string();
+    let fly = |scenario: &str, more: &[&str]| {
+        let fixed = ["emulate", "--image", &path, "--scenario", scenario];
+        run("target/release/sitl", &[&fixed[..], more].concat())
+    };
+    if !more.is_empty() {
+        let has_scenario = more.contains(&"--scenario");
+        if has_scenario {
+            return run(
+                "target/release/sitl",
+                &[&["emulate", "--image", &path], more].concat(),
+            );
+        }
+        return fly(BOARD_SCENARIO, more);
+    }
+    fly(BOARD_SCENARIO, &["--twice"])?;
+    fly(BOARD_SCENARIO, &["--injury", "hard-fault", "--injury-at", "12"])?;
+    fly(BOARD_SCENARIO, &["--injury", "panic", "--injury-at", "12"])
+}
