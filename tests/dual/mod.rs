@@ -100,6 +100,8 @@ impl One for Dual {
 }
 
 impl Scalar for Dual {
+    const IS_FLOATING: bool = true;
+
     fn lit(x: f64) -> Self {
         dual(x, 0.0)
     }

@@ -1,6 +1,6 @@
 //! Everything that must hold before a change lands.
 
-use crate::{Outcome, install, params, run, run_with};
+use crate::{Outcome, images, install, params, run, run_with};
 use std::process::Command;
 
 const BOARDS: [&str; 2] = ["thumbv7em-none-eabihf", "thumbv6m-none-eabi"];
@@ -11,7 +11,8 @@ pub fn everything() -> Outcome {
     install::rust_targets(&BOARDS)?;
     let python = install::python_clients()?;
     run("cargo", &["fmt", "--all", "--check"])?;
-    run("cargo", &["clippy", "--workspace", "--all-targets", "--locked", "--", "-D", "warnings"])?;
+    run("cargo", &["clippy", "--all-targets", "--locked", "--", "-D", "warnings"])?;
+    images::lint()?;
     params::check()?;
     for board in BOARDS {
         run(
@@ -30,14 +31,18 @@ pub fn everything() -> Outcome {
         )?;
     }
     nopanic()?;
-    run_with("cargo", &["doc", "--workspace", "--no-deps", "--locked"], &DENY_WARNINGS)?;
+    run_with("cargo", &["doc", "--no-deps", "--locked"], &DENY_WARNINGS)?;
+    images::size(false)?;
+    images::emulate(&[])?;
     fly_clients(&python)?;
     campaigns()?;
     experiments()?;
-    run("cargo", &["test", "--workspace", "--locked", "--doc"])?;
+    run("cargo", &["test", "--locked", "--doc"])?;
     let tested = [
         "-p",
         "tautline-firmware",
+        "-p",
+        "tautline-board",
         "-p",
         "tautline-hal-shim",
         "-p",

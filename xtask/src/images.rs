@@ -130,6 +130,17 @@ impl Image {
     }
 }
 
+/// The lints, which differ by board.
+pub fn lint() -> Outcome {
+    for image in &IMAGES {
+        install::rust_targets(&[image.target])?;
+        let package = ["clippy", "--locked", "-p", image.package, "--no-default-features"];
+        let board = ["--features", image.feature, "--target", image.target];
+        run("cargo", &[&package[..], &board[..], &["--", "-D", "warnings"]].concat())?;
+    }
+    Ok(())
+}
+
 /// Builds all images and checks their sizes.
 pub fn size(json: bool) -> Outcome {
     for image in &IMAGES {
@@ -192,16 +203,12 @@ pub fn emulate(more: &[&str]) -> Outcome {
         run("target/release/sitl", &[&fixed[..], more].concat())
     };
     if !more.is_empty() {
-        let has_scenario = more.contains(&"--scenario");
-        if has_scenario {
-            return run(
-                "target/release/sitl",
-                &[&["emulate", "--image", &path], more].concat(),
-            );
-        }
-        return fly(BOARD_SCENARIO, more);
+        let named = more.contains(&"--scenario");
+        let scenario: &[&str] = if named { &[] } else { &["--scenario", BOARD_SCENARIO] };
+        let first = ["emulate", "--image", &path];
+        return run("target/release/sitl", &[&first[..], scenario, more].concat());
     }
     fly(BOARD_SCENARIO, &["--twice"])?;
-    fly(BOARD_SCENARIO, &["--injury", "hard-fault", "--injury-at", "12"])?;
-    fly(BOARD_SCENARIO, &["--injury", "panic", "--injury-at", "12"])
+    fly(BOARD_SCENARIO, &["--injury", "hard-fault", "--injury-at", "8"])?;
+    fly(BOARD_SCENARIO, &["--injury", "panic", "--injury-at", "8"])
 }

@@ -4,7 +4,8 @@
 //! long, and what it cannot hold the log marks as a gap.
 
 use embedded_sdmmc::{
-    BlockDevice, Error, Mode, RawDirectory, RawFile, RawVolume, TimeSource, Timestamp, VolumeIdx, VolumeManager,
+    BlockDevice, Error, Mode, RawDirectory, RawFile, RawVolume, TimeSource, Timestamp, VolumeIdx,
+    VolumeManager,
 };
 use heapless::String;
 
@@ -19,7 +20,14 @@ pub struct NoCalendar;
 
 impl TimeSource for NoCalendar {
     fn get_timestamp(&self) -> Timestamp {
-        Timestamp { year_since_1970: 10, zero_indexed_month: 0, zero_indexed_day: 0, hours: 0, minutes: 0, seconds: 0 }
+        Timestamp {
+            year_since_1970: 10,
+            zero_indexed_month: 0,
+            zero_indexed_day: 0,
+            hours: 0,
+            minutes: 0,
+            seconds: 0,
+        }
     }
 }
 
@@ -34,7 +42,12 @@ pub struct BlackBox<D: BlockDevice> {
 impl<D: BlockDevice> BlackBox<D> {
     /// On a card that need not be there.
     pub fn new(device: D) -> Self {
-        Self { volumes: VolumeManager::new_with_limits(device, NoCalendar, 0), place: None, file: None, unsynced: 0 }
+        Self {
+            volumes: VolumeManager::new_with_limits(device, NoCalendar, 0),
+            place: None,
+            file: None,
+            unsynced: 0,
+        }
     }
 
     /// Whether a file is open.
@@ -52,7 +65,9 @@ impl<D: BlockDevice> BlackBox<D> {
         let mut last = 0;
         self.volumes.iterate_dir(directory, |entry| {
             let name = &entry.name;
-            if let (Some(digits), SUFFIX) = (name.base_name().strip_prefix(PREFIX), name.extension()) {
+            if let (Some(digits), SUFFIX) =
+                (name.base_name().strip_prefix(PREFIX), name.extension())
+            {
                 let number = digits.iter().fold(0_u16, |n, b| {
                     n.saturating_mul(10).saturating_add(u16::from(b.wrapping_sub(b'0').min(9)))
                 });
@@ -61,7 +76,11 @@ impl<D: BlockDevice> BlackBox<D> {
             core::ops::ControlFlow::Continue(())
         })?;
         let number = (last + 1).min(9999);
-        let file = self.volumes.open_file_in_dir(directory, name(number).as_str(), Mode::ReadWriteCreateOrTruncate)?;
+        let file = self.volumes.open_file_in_dir(
+            directory,
+            name(number).as_str(),
+            Mode::ReadWriteCreateOrTruncate,
+        )?;
         self.file = Some(file);
         self.unsynced = 0;
         Ok(number)

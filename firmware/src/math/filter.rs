@@ -1,8 +1,8 @@
 //! Low-pass and notch filters; configuration apart from state.
 
 use crate::frames::V3;
-use crate::scalar::Scalar;
 use crate::math::trig::{sin_cos, tan};
+use crate::scalar::Scalar;
 use core::f32::consts::PI;
 
 /// First-order low-pass coefficient `1 - exp(-dt/tau)`; 1 (no filtering) for `tau <= 0`.

@@ -22,8 +22,7 @@ pub fn sin_cos(x: f32) -> (f32, f32) {
     let z = r * r;
     // Minimax polynomials on [-π/4, π/4].
     let sin = r + r * z * (-1.666_665_5e-1 + z * (8.332_161e-3 + z * -1.951_529_6e-4));
-    let cos = 1.0 - 0.5 * z
-        + z * z * (4.166_664_6e-2 + z * (-1.388_731_6e-3 + z * 2.443_315_7e-5));
+    let cos = 1.0 - 0.5 * z + z * z * (4.166_664_6e-2 + z * (-1.388_731_6e-3 + z * 2.443_315_7e-5));
     match quarter & 3 {
         0 => (sin, cos),
         1 => (cos, -sin),

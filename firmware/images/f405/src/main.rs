@@ -22,10 +22,6 @@ use defmt_rtt as _;
 
 #[cfg(target_os = "none")]
 mod app;
-#[cfg(target_os = "none")]
-mod clock;
-#[cfg(target_os = "none")]
-mod crash;
 #[cfg(all(target_os = "none", feature = "emulated"))]
 #[path = "emulated/mod.rs"]
 mod board;
@@ -34,5 +30,9 @@ mod board;
 mod board;
 #[cfg(target_os = "none")]
 mod bytes;
+#[cfg(target_os = "none")]
+mod clock;
+#[cfg(target_os = "none")]
+mod crash;
 #[cfg(target_os = "none")]
 mod telemetry;

@@ -21,10 +21,10 @@ use crate::estimate::pendulum::{
 };
 use crate::fault::Invalid;
 use crate::frames::{Body, V3, World};
+use crate::math::trig::sin_cos;
 use crate::math::wrap_pi;
 use crate::model::{LinkKind, PendulumModel};
 use crate::param::Params;
-use crate::math::trig::sin_cos;
 use crate::scalar::Scalar;
 use crate::signal::{Event, EventQueue, FlightReference, LoadReference};
 use crate::supervisor::Mode;

@@ -24,7 +24,10 @@ impl spi::ErrorType for ImuBus {
 }
 
 impl SpiDevice for ImuBus {
-    fn transaction(&mut self, operations: &mut [spi::Operation<'_, u8>]) -> Result<(), Self::Error> {
+    fn transaction(
+        &mut self,
+        operations: &mut [spi::Operation<'_, u8>],
+    ) -> Result<(), Self::Error> {
         let mut out = heapless::Vec::<u8, LONGEST>::new();
         for operation in operations.iter() {
             let result = match operation {
@@ -68,7 +71,11 @@ impl i2c::ErrorType for SlowBus {
 
 impl I2c for SlowBus {
     /// A write, a read, or a write and a read: what the drivers use.
-    fn transaction(&mut self, address: u8, operations: &mut [i2c::Operation<'_>]) -> Result<(), Self::Error> {
+    fn transaction(
+        &mut self,
+        address: u8,
+        operations: &mut [i2c::Operation<'_>],
+    ) -> Result<(), Self::Error> {
         let (write, read): (&[u8], &mut [u8]) = match operations {
             [i2c::Operation::Write(bytes)] => (bytes, &mut []),
             [i2c::Operation::Read(bytes)] => (&[], bytes),
@@ -180,7 +187,8 @@ impl SetDutyCycle for Motor {
             pulse.store(duty, Ordering::Relaxed);
         }
         if self.0 + 1 == ROTORS {
-            let pulses = core::array::from_fn(|i| PULSES.get(i).map_or(0, |p| p.load(Ordering::Relaxed)));
+            let pulses =
+                core::array::from_fn(|i| PULSES.get(i).map_or(0, |p| p.load(Ordering::Relaxed)));
             host::post(&Ask::Motors(pulses));
         }
         Ok(())

@@ -5,7 +5,7 @@ mod flash;
 mod host;
 mod meter;
 
-pub use buses::{Delay, ImuBus, Motor, RangePort, Pins, SlowBus};
+pub use buses::{Delay, ImuBus, Motor, Pins, RangePort, SlowBus};
 pub use flash::ParameterFlash;
 pub use meter::Meter;
 
@@ -75,10 +75,14 @@ pub fn start(
     Board {
         imu: ImuBus,
         motors: Motors,
-        devices: SlowDevices::new(SlowBus, RangePort::default(), BatteryMonitor::new(Pins::Voltage, Pins::Current)),
+        devices: SlowDevices::new(
+            SlowBus,
+            RangePort::default(),
+            BatteryMonitor::new(Pins::Voltage, Pins::Current),
+        ),
         flash: ParameterFlash,
         telemetry: telemetry::start(device.USART1, (gpioa.pa9, gpioa.pa10), memory, &mut rcc),
-        console: Console::default(),
+        console: Console,
         log: LogSink,
         background: Background,
         delay: Delay,
@@ -149,7 +153,6 @@ pub fn stepped(out: &StepOutput) {
 }
 
 /// MAVLink's second port; on a board this is USB.
-#[derive(Default)]
 pub struct Console;
 
 impl Console {
@@ -192,7 +195,9 @@ impl Background {
                 Some((is_ready, injury)) => {
                     match injury {
                         Some(Injury::HardFault) => fault(),
-                        Some(Injury::Panic) => crate::crash::end(tautline_board::crash::Cause::Panic, [line!(), 0]),
+                        Some(Injury::Panic) => {
+                            crate::crash::end(tautline_board::crash::Cause::Panic, [line!(), 0])
+                        }
                         None => {}
                     }
                     READY.store(is_ready, Ordering::Relaxed);

@@ -53,7 +53,7 @@ impl Background {
         let mut has_tried = false;
         loop {
             let wanted = WANTED.load(Ordering::Relaxed);
-            if !wanted && self.queue.len() == 0 {
+            if !wanted && self.queue.is_empty() {
                 if !CLOSED.load(Ordering::Relaxed) {
                     if self.card.end().is_err() {
                         defmt::warn!("card: the last file may lack its end");

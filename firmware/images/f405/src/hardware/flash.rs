@@ -1,7 +1,9 @@
 //! The parameters' sectors of the internal flash. A write or an erasing stops the processor until it is done.
 
 use core::ops::Range;
-use embedded_storage::nor_flash::{ErrorType, NorFlash, NorFlashErrorKind, ReadNorFlash, check_read};
+use embedded_storage::nor_flash::{
+    ErrorType, NorFlash, NorFlashErrorKind, ReadNorFlash, check_read,
+};
 use stm32f4xx_hal::flash::FlashExt;
 use stm32f4xx_hal::pac::FLASH;
 

@@ -82,7 +82,8 @@ impl MotorTimers {
         let (_, (m4, ..)) = self.inner.pwm_hz(hertz.Hz(), rcc);
         let (pin1, pin2, pin3, pin4) = self.pins;
         let (mut m1, mut m2, mut m4) = (m1.with(pin1), m2.with(pin2), m4.with(pin4));
-        let _pin3: stm32f4xx_hal::gpio::PB15<stm32f4xx_hal::gpio::Alternate<1>> = pin3.into_alternate();
+        let _pin3: stm32f4xx_hal::gpio::PB15<stm32f4xx_hal::gpio::Alternate<1>> =
+            pin3.into_alternate();
         m1.enable();
         m2.enable();
         m4.enable();
@@ -158,7 +159,11 @@ pub fn wire(device: pac::Peripherals, mut rcc: Rcc) -> Wired {
         imu: super::wiring::device(imu, chip_select(gpioc.pc14.into_push_pull_output().erase())),
         card: super::wiring::device(card, chip_select(gpioc.pc1.into_push_pull_output().erase())),
         i2c,
-        battery: Battery { adc, voltage: gpioc.pc4.into_analog(), current: gpioc.pc5.into_analog() },
+        battery: Battery {
+            adc,
+            voltage: gpioc.pc4.into_analog(),
+            current: gpioc.pc5.into_analog(),
+        },
         motors: MotorTimers {
             outer: device.TIM8,
             inner: device.TIM1,
@@ -166,7 +171,13 @@ pub fn wire(device: pac::Peripherals, mut rcc: Rcc) -> Wired {
         },
         telemetry: (device.USART1, gpioa.pa9, gpioa.pa10),
         range: (device.USART6, gpioc.pc7),
-        usb: (device.OTG_FS_GLOBAL, device.OTG_FS_DEVICE, device.OTG_FS_PWRCLK, gpioa.pa11, gpioa.pa12),
+        usb: (
+            device.OTG_FS_GLOBAL,
+            device.OTG_FS_DEVICE,
+            device.OTG_FS_PWRCLK,
+            gpioa.pa11,
+            gpioa.pa12,
+        ),
         flash: device.FLASH,
         timer: device.TIM5,
         watchdog: device.IWDG,

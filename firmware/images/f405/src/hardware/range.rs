@@ -24,7 +24,11 @@ pub struct Listener {
 /// The task's side.
 pub struct RangePort(OutOf);
 
-pub fn start((usart, pin): (USART6, PC7), memory: &'static mut Memory, rcc: &mut Rcc) -> (Option<Listener>, RangePort) {
+pub fn start(
+    (usart, pin): (USART6, PC7),
+    memory: &'static mut Memory,
+    rcc: &mut Rcc,
+) -> (Option<Listener>, RangePort) {
     let (inward, out_of) = memory.split();
     let listener = usart.rx(pin, Config::default().baudrate(BAUD.bps()), rcc).ok().map(|mut rx| {
         rx.listen();

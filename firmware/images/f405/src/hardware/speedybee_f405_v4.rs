@@ -142,7 +142,11 @@ pub fn wire(device: pac::Peripherals, mut rcc: Rcc) -> Wired {
         imu: super::wiring::device(imu, chip_select(gpioa.pa4.into_push_pull_output().erase())),
         card: super::wiring::device(card, chip_select(gpioc.pc14.into_push_pull_output().erase())),
         i2c,
-        battery: Battery { adc, voltage: gpioc.pc0.into_analog(), current: gpioc.pc1.into_analog() },
+        battery: Battery {
+            adc,
+            voltage: gpioc.pc0.into_analog(),
+            current: gpioc.pc1.into_analog(),
+        },
         motors: MotorTimers {
             front: device.TIM4,
             rear: device.TIM3,
@@ -150,7 +154,13 @@ pub fn wire(device: pac::Peripherals, mut rcc: Rcc) -> Wired {
         },
         telemetry: (device.USART1, gpioa.pa9, gpioa.pa10),
         range: (device.USART6, gpioc.pc7),
-        usb: (device.OTG_FS_GLOBAL, device.OTG_FS_DEVICE, device.OTG_FS_PWRCLK, gpioa.pa11, gpioa.pa12),
+        usb: (
+            device.OTG_FS_GLOBAL,
+            device.OTG_FS_DEVICE,
+            device.OTG_FS_PWRCLK,
+            gpioa.pa11,
+            gpioa.pa12,
+        ),
         flash: device.FLASH,
         timer: device.TIM5,
         watchdog: device.IWDG,
