@@ -28,7 +28,7 @@ pub struct Flight<SPI, PWM> {
     pub vehicle: Vehicle,
 }
 
-/// What the ESCs are told in, by `MOT_PROTOCOL`.
+/// What the ESCs are told in, by `MOT_PROTO`.
 #[must_use]
 pub fn protocol(params: &Params) -> Protocol {
     if params.output_protocol > 0.5 { Protocol::OneShot125 } else { Protocol::Pwm400 }
