@@ -1,6 +1,6 @@
 //! Everything that must hold before a change lands.
 
-use crate::{Outcome, images, install, params, run, run_with};
+use crate::{Outcome, cost, images, install, params, run, run_with};
 use std::process::Command;
 
 const BOARDS: [&str; 2] = ["thumbv7em-none-eabihf", "thumbv6m-none-eabi"];
@@ -13,6 +13,7 @@ pub fn everything() -> Outcome {
     run("cargo", &["fmt", "--all", "--check"])?;
     run("cargo", &["clippy", "--all-targets", "--locked", "--", "-D", "warnings"])?;
     images::lint()?;
+    cost::lint()?;
     params::check()?;
     for board in BOARDS {
         run(
@@ -34,6 +35,7 @@ pub fn everything() -> Outcome {
     run_with("cargo", &["doc", "--no-deps", "--locked"], &DENY_WARNINGS)?;
     images::size(false)?;
     images::emulate(&[])?;
+    cost::check()?;
     fly_clients(&python)?;
     campaigns()?;
     experiments()?;

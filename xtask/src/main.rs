@@ -1,6 +1,7 @@
 //! Project tasks. `cargo xtask ci` passes all tests from a fresh clone; the others are its parts.
 
 mod ci;
+mod cost;
 mod images;
 mod install;
 mod params;
@@ -17,6 +18,7 @@ const USAGE: &str = "usage: cargo xtask TASK
   nopanic        link Vehicle::step with a panic handler that does not exist
   clients        the pymavlink and pyulog flights alone
   size           build all images, print flash and static RAM against their limits; --json
+  cost           count instructions per call on emulated cores, write docs/cost.md; --check only compares; --json
   flash IMAGE    build an image and write it to a board by probe-rs
   emulate        fly the F405 image under QEMU beside the same flights here; further arguments go to
                  `sitl emulate` (cargo sitl emulate --help)";
@@ -32,6 +34,9 @@ fn main() -> ExitCode {
         ["clients"] => ci::clients(),
         ["size"] => images::size(false),
         ["size", "--json"] => images::size(true),
+        ["cost"] => cost::write(),
+        ["cost", "--check"] => cost::check(),
+        ["cost", "--json"] => cost::json(),
         ["flash", image] => images::flash(image),
         ["emulate", more @ ..] => images::emulate(more),
         ["help" | "--help" | "-h"] => {
@@ -58,7 +63,8 @@ fn run(program: &str, arguments: &[&str]) -> Outcome {
 }
 
 fn run_with(program: &str, arguments: &[&str], environment: &[(&str, &str)]) -> Outcome {
-    println!("\n== {program} {}", arguments.join(" "));
+    // Standard output is for results, which others may read.
+    eprintln!("\n== {program} {}", arguments.join(" "));
     let status = Command::new(program)
         .args(arguments)
         .envs(environment.iter().copied())
