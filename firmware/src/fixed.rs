@@ -2,7 +2,8 @@
 //!
 //! [`Q16`]: 16 integer and 16 fraction bits, saturating everywhere, division by zero defined.
 //! Plain `fixed` operators wrap in release builds, and a wrapped attitude is a crash.
-//! Range ±32768, resolution 1.5e-5. Trigonometry is CORDIC, good to about 3e-5.
+//! Range ±32768, resolution 1.5e-5. Sine and cosine are polynomials, the arc tangent CORDIC, good to about 3e-5.
+//! Everything is done in products of 32 by 32 bits and divisions of 32, which a Cortex-M3 has.
 
 use crate::scalar::Scalar;
 use core::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Rem, Sub, SubAssign};
@@ -13,21 +14,20 @@ use num_traits::{One, Zero};
 pub struct Q16(i32);
 
 const ONE: i64 = 1 << 16;
-/// Fraction bits inside CORDIC.
-const CORDIC_BITS: u32 = 30;
-/// atan(2^-i) in units of 2^-30 rad.
-const ATAN: [i64; 20] = [
-    843_314_857,
-    497_837_829,
-    263_043_837,
-    133_525_159,
-    67_021_687,
-    33_543_516,
-    16_775_851,
-    8_388_437,
-    4_194_283,
-    2_097_149,
-    1_048_576,
+/// Fraction bits inside the trigonometry.
+const INNER_BITS: u32 = 30;
+/// atan(2^-i) in units of 2^-29 rad.
+const ATAN: [i32; 20] = [
+    421_657_428,
+    248_918_915,
+    131_521_918,
+    66_762_579,
+    33_510_843,
+    16_771_758,
+    8_387_925,
+    4_194_219,
+    2_097_141,
+    1_048_575,
     524_288,
     262_144,
     131_072,
@@ -37,10 +37,16 @@ const ATAN: [i64; 20] = [
     8_192,
     4_096,
     2_048,
+    1_024,
 ];
-/// Product of cos(atan(2^-i)), 2^-30.
-const CORDIC_GAIN: i64 = 652_032_874;
-const PI_30: i64 = 3_373_259_426;
+/// π in units of 2^-29, and π/2 in units of 2^-30.
+const PI_29: i32 = 1_686_629_713;
+const QUARTER_30: i64 = 1_686_629_713;
+/// 2/π in units of 2^-32.
+const PER_QUARTER_32: i64 = 2_734_261_102;
+/// Of sine and cosine on [-π/4, π/4], by powers of the angle's square, 2^-30.
+const SIN: [i32; 3] = [-178_956_850, 8_946_588, -209_544];
+const COS: [i32; 3] = [44_739_176, -1_491_140, 26_235];
 
 impl Q16 {
     /// Largest value, just under 32768.
@@ -63,9 +69,6 @@ impl Q16 {
     pub const fn is_saturated(self) -> bool {
         self.0 == i32::MAX || self.0 == i32::MIN
     }
-    fn narrow(wide: i64) -> Self {
-        Self(wide.clamp(i64::from(i32::MIN), i64::from(i32::MAX)) as i32)
-    }
 }
 
 impl Add for Q16 {
@@ -86,7 +89,16 @@ impl Mul for Q16 {
     type Output = Self;
     #[inline]
     fn mul(self, o: Self) -> Self {
-        Self::narrow((i64::from(self.0) * i64::from(o.0) + (ONE >> 1)) >> 16)
+        let wide = i64::from(self.0) * i64::from(o.0) + (ONE >> 1);
+        // It fits when the upper word holds nothing but sign from its sixteenth bit on.
+        let upper = (wide >> 32) as i32;
+        if upper.wrapping_add(0x8000) as u32 <= 0xFFFF {
+            Self((wide >> 16) as i32)
+        } else if upper < 0 {
+            Self::MIN
+        } else {
+            Self::MAX
+        }
     }
 }
 impl Div for Q16 {
@@ -94,13 +106,47 @@ impl Div for Q16 {
     /// `0/0` is 0; any other division by zero saturates with the sign of the numerator.
     #[inline]
     fn div(self, o: Self) -> Self {
-        match (i64::from(self.0) << 16).checked_div(i64::from(o.0)) {
-            Some(quotient) => Self::narrow(quotient),
-            None if self.0 == 0 => Self(0),
-            None if self.0 > 0 => Self::MAX,
-            None => Self::MIN,
+        let (n, d) = (self.0.unsigned_abs(), o.0.unsigned_abs());
+        let is_negative = (self.0 < 0) != (o.0 < 0);
+        let bound = if is_negative { Self::MIN } else { Self::MAX };
+        let Some(whole) = n.checked_div(d) else {
+            return if n == 0 {
+                Self(0)
+            } else if self.0 < 0 {
+                Self::MIN
+            } else {
+                Self::MAX
+            };
+        };
+        if whole > 0x7FFF {
+            return bound;
+        }
+        let size = (whole << 16) | fraction(n - whole * d, d);
+        Self(if is_negative { (size as i32).wrapping_neg() } else { size as i32 })
+    }
+}
+
+/// `(rest << 16) / d` for `rest < d`, by divisions of 32 bits.
+#[inline]
+fn fraction(rest: u32, d: u32) -> u32 {
+    let divide = |n: u32| n.checked_div(d).unwrap_or(0);
+    if d <= 0xFFFF {
+        return divide(rest << 16);
+    }
+    if d <= 0x00FF_FFFF {
+        let high = divide(rest << 8);
+        return (high << 8) | divide(((rest << 8) - high * d) << 8);
+    }
+    let (mut rest, mut quotient) = (rest, 0);
+    for _ in 0..16 {
+        rest <<= 1;
+        quotient <<= 1;
+        if rest >= d {
+            rest -= d;
+            quotient |= 1;
         }
     }
+    quotient
 }
 impl Rem for Q16 {
     type Output = Self;
@@ -154,24 +200,27 @@ impl One for Q16 {
     }
 }
 
-/// Integer square root, exact floor.
-fn isqrt(n: u64) -> u64 {
-    let mut root = 0_u64;
-    let mut rest = n;
-    let mut bit = 1_u64 << 62;
-    while bit > n {
-        bit >>= 2;
-    }
-    while bit != 0 {
-        if rest >= root + bit {
-            rest -= root + bit;
-            root = (root >> 1) + bit;
-        } else {
-            root >>= 1;
+/// Root of `raw << 16`, exact floor: two bits of it after another, all in 32 bits.
+fn root(raw: u32) -> u32 {
+    // Pairs of leading zeros bring nothing.
+    let skipped = raw.leading_zeros() / 2;
+    let mut bits = raw << (2 * skipped);
+    let (mut rest, mut root) = (0_u32, 0_u32);
+    for _ in skipped..24 {
+        rest = (rest << 2) | (bits >> 30);
+        bits <<= 2;
+        root <<= 1;
+        if rest > 2 * root {
+            rest -= 2 * root + 1;
+            root += 1;
         }
-        bit >>= 2;
     }
     root
+}
+
+#[inline]
+fn mul_30(a: i32, b: i32) -> i32 {
+    ((i64::from(a) * i64::from(b)) >> INNER_BITS) as i32
 }
 
 impl Scalar for Q16 {
@@ -189,54 +238,38 @@ impl Scalar for Q16 {
         (f64::from(self.0) / 65_536.0) as f32
     }
     fn sqrt(self) -> Self {
-        if self.0 <= 0 {
-            return Self(0);
-        }
-        Self(isqrt((self.0 as u64) << 16) as i32)
+        if self.0 <= 0 { Self(0) } else { Self(root(self.0 as u32) as i32) }
     }
     fn sin_cos(self) -> (Self, Self) {
-        let mut z = (i64::from(self.0) << (CORDIC_BITS - 16)) % (2 * PI_30);
-        if z > PI_30 {
-            z -= 2 * PI_30;
-        } else if z < -PI_30 {
-            z += 2 * PI_30;
+        let half = 1_i64 << 47;
+        let quarter = (i64::from(self.0) * PER_QUARTER_32 + half) >> 48;
+        let r = ((i64::from(self.0) << 14) - quarter * QUARTER_30) as i32;
+        let z = mul_30(r, r);
+        let [a, b, c] = SIN;
+        let sin = r + mul_30(mul_30(r, z), a + mul_30(z, b + mul_30(z, c)));
+        let [a, b, c] = COS;
+        let cos = (1 << 30) - (z >> 1) + mul_30(mul_30(z, z), a + mul_30(z, b + mul_30(z, c)));
+        let round = |x: i32| Self((x + (1 << 13)) >> 14);
+        let (sin, cos) = (round(sin), round(cos));
+        match quarter & 3 {
+            0 => (sin, cos),
+            1 => (cos, -sin),
+            2 => (-sin, -cos),
+            _ => (-cos, sin),
         }
-        // CORDIC converges within about 99 degrees: fold the left half plane over.
-        let flip = if z > PI_30 / 2 {
-            z -= PI_30;
-            true
-        } else if z < -PI_30 / 2 {
-            z += PI_30;
-            true
-        } else {
-            false
-        };
-        let (mut x, mut y) = (CORDIC_GAIN, 0_i64);
-        for (i, step) in ATAN.iter().enumerate() {
-            let (dx, dy) = (y >> i, x >> i);
-            if z >= 0 {
-                x -= dx;
-                y += dy;
-                z -= step;
-            } else {
-                x += dx;
-                y -= dy;
-                z += step;
-            }
-        }
-        let round = |v: i64| Self::narrow((v + (1 << 13)) >> (CORDIC_BITS - 16));
-        if flip { (round(-y), round(-x)) } else { (round(y), round(x)) }
     }
     fn atan2(self, x: Self) -> Self {
-        if self.0 == 0 && x.0 == 0 {
+        let largest = self.0.unsigned_abs() | x.0.unsigned_abs();
+        if largest == 0 {
             return Self(0);
         }
-        let (mut cx, mut cy) = (i64::from(x.0) << 16, i64::from(self.0) << 16);
-        let mut z = 0_i64;
+        // As large as leaves room for CORDIC's growth of 1.65 and the diagonal.
+        let room = largest.leading_zeros() as i32 - 3;
+        let scale = |v: i32| if room >= 0 { v << room } else { v >> -room };
+        let (mut cx, mut cy, mut z) = (scale(x.0), scale(self.0), 0_i32);
         if cx < 0 {
-            z = if cy >= 0 { PI_30 } else { -PI_30 };
-            cx = -cx;
-            cy = -cy;
+            z = if cy >= 0 { PI_29 } else { -PI_29 };
+            (cx, cy) = (-cx, -cy);
         }
         for (i, step) in ATAN.iter().enumerate() {
             let (dx, dy) = (cy >> i, cx >> i);
@@ -250,7 +283,7 @@ impl Scalar for Q16 {
                 z -= step;
             }
         }
-        Self::narrow((z + (1 << 13)) >> (CORDIC_BITS - 16))
+        Self((z + (1 << 12)) >> 13)
     }
     fn is_finite(self) -> bool {
         true
@@ -272,6 +305,28 @@ mod tests {
         assert_eq!(Q16::zero() / Q16::zero(), Q16::zero());
         assert_eq!(Q16::lit(f64::NAN), Q16::zero());
         assert_eq!(Q16::lit(1e9), Q16::MAX);
+    }
+
+    #[test]
+    fn products_and_quotients_are_those_of_wide_integers() {
+        let narrow = |wide: i64| wide.clamp(i64::from(i32::MIN), i64::from(i32::MAX)) as i32;
+        let mut noise = 0x9E37_79B9_7F4A_7C15_u64;
+        let mut next = |bits: u32| {
+            noise ^= noise << 13;
+            noise ^= noise >> 7;
+            noise ^= noise << 17;
+            (noise >> 32) as i32 >> bits
+        };
+        for i in 0..200_000_u32 {
+            let (a, b) = (next(i % 31), next(i / 31 % 31));
+            let product = narrow((i64::from(a) * i64::from(b) + (1 << 15)) >> 16);
+            assert_eq!((Q16(a) * Q16(b)).0, product, "{a} * {b}");
+            if b != 0 {
+                // The magnitude's floor; a quotient of exactly -32768 saturates to the same.
+                let quotient = narrow((i64::from(a) << 16) / i64::from(b));
+                assert_eq!((Q16(a) / Q16(b)).0, quotient, "{a} / {b}");
+            }
+        }
     }
 
     #[test]
