@@ -43,11 +43,19 @@ impl<F: NorFlash> Settings<F> {
     ) -> Result<(Self, Loaded), StorageError<F::Error>> {
         let mut stored = defaults;
         let mut loaded = Loaded::default();
-        store.load(|name, value| {
+        let read = store.load(|name, value| {
             let is_good = index_of(name).is_some_and(|index| stored.set(index, value).is_ok());
             let count = if is_good { &mut loaded.known } else { &mut loaded.refused };
             *count = count.saturating_add(1);
-        })?;
+        });
+        // A flash tool that fills gaps leaves pages that are no storage; without this nothing would ever be kept.
+        match read {
+            Err(StorageError::Corrupted) => {
+                store.erase()?;
+                stored = defaults;
+            }
+            other => other?,
+        }
         Ok((Self { store, stored }, loaded))
     }
 
