@@ -138,3 +138,18 @@ fn a_range_of_too_few_or_of_half_pages_is_refused() {
         assert!(matches!(store, Err(StorageError::Range)));
     }
 }
+
+/// As a flash tool leaves them that fills the gap between vectors and code.
+#[test]
+fn pages_of_zeros_are_started_anew_and_then_keep() {
+    use tautline_board::settings::Settings;
+    use tautline_firmware::param::Params;
+    const PAGE: usize = 0x4000;
+    let open = |flash| ParameterStore::try_new(flash, 0..3 * PAGE as u32).unwrap();
+    let flash = FakeFlash::<PAGE, 4>::with_bytes(vec![0; 3 * PAGE]);
+    let (mut settings, _) = Settings::load(open(flash), Params::default()).unwrap();
+    let wanted = Params { mass: 2.0, ..Params::default() };
+    while settings.store_next(&wanted).unwrap() {}
+    let (again, loaded) = Settings::load(open(settings.into_flash()), Params::default()).unwrap();
+    assert_eq!((again.params(), loaded.known), (&wanted, 1));
+}
