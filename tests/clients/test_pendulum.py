@@ -99,6 +99,8 @@ def test_poses_and_a_rod_from_pymavlink_are_taken(sitl, tmp_path):
         there = lambda m: math.hypot(m.x - place[0], m.y - place[1]) < 0.02  # noqa: E731
         station.until(there, ["LOCAL_POSITION_NED"], 20.0, say.__name__)
         station.until(lambda m: abs(m.yaw - heading) < 0.03, ["ATTITUDE"], 20.0, f"heading by {say.__name__}")
+        # Long enough for the log to have some of it: place and heading are taken over at once.
+        station.wait_vehicle_seconds(1)
     capture.stop()
     station.close()
     output, code = vehicle.end()
