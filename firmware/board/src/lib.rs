@@ -3,11 +3,13 @@
 //!
 //! | module | what |
 //! |---|---|
+//! | [`tasks`] | what the tasks of an image do |
 //! | [`flight`] | one inertial sample: read, step, motors |
 //! | [`slow`] | barometer, rangefinder, battery, each at its own pace |
 //! | [`inbox`] | what the slower tasks have for the next step |
 //! | [`comms`] | MAVLink on every port, and the flight log |
-//! | [`blackbox`] | the log on a card |
+//! | [`port`], [`serial`], [`usb`] | bytes between interrupts and the tasks that speak MAVLink |
+//! | [`recorder`], [`blackbox`] | the log: from task to card, and the card's files |
 //! | [`settings`] | parameters from flash at boot, and back when they change |
 //! | [`crash`] | what is left of a panic or a fault after the reset |
 //! | [`status`] | what somebody on the ground wants to know of each step |
@@ -20,9 +22,14 @@ pub mod blackbox;
 pub mod comms;
 pub mod crash;
 pub mod inbox;
+pub mod port;
+pub mod recorder;
+pub mod serial;
 pub mod settings;
 pub mod slow;
 pub mod status;
+pub mod tasks;
+pub mod usb;
 pub mod wire;
 
 pub use tautline_flight as flight;

@@ -5,4 +5,8 @@
 #[cfg(target_os = "none")]
 mod copy;
 #[cfg(target_os = "none")]
+pub mod crash;
+#[cfg(target_os = "none")]
+pub mod micros;
+#[cfg(target_os = "none")]
 pub mod stack;

@@ -2,14 +2,17 @@
 
 use core::ptr;
 
-/// First byte of RAM.
-const FOOT: usize = 0x2000_0000;
 const PAINT: u32 = 0x7A07_57AC;
 /// Left alone below the caller of [`paint`], bytes.
 const MARGIN: usize = 512;
 
 unsafe extern "C" {
     static _stack_start: u32;
+}
+
+/// First byte of RAM: parts have it here or, where this belongs to the core alone, from the next region on.
+fn foot() -> usize {
+    top() & 0xFF00_0000
 }
 
 fn top() -> usize {
@@ -29,7 +32,7 @@ pub fn paint() {
     if !is_flipped() {
         return;
     }
-    for at in (FOOT..here.saturating_sub(MARGIN)).step_by(4) {
+    for at in (foot()..here.saturating_sub(MARGIN)).step_by(4) {
         // SAFETY: below the stack pointer nothing lives, and the data lies above the stack.
         unsafe { ptr::write_volatile(at as *mut u32, PAINT) };
     }
@@ -42,6 +45,6 @@ pub fn depth() -> Option<(u32, u32)> {
     }
     // SAFETY: reads RAM.
     let is_painted = |at: &usize| unsafe { ptr::read_volatile(*at as *const u32) } == PAINT;
-    let touched = (FOOT..top()).step_by(4).find(|at| !is_painted(at)).unwrap_or(top());
-    Some(((top() - touched) as u32, (top() - FOOT) as u32))
+    let touched = (foot()..top()).step_by(4).find(|at| !is_painted(at)).unwrap_or(top());
+    Some(((top() - touched) as u32, (top() - foot()) as u32))
 }

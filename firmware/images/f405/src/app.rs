@@ -1,28 +1,24 @@
 //! Tasks and what they share.
 
-use crate::{board, crash, telemetry};
-use core::sync::atomic::Ordering;
+use crate::{board, telemetry};
 use heapless::spsc::{Consumer, Producer, Queue};
 use stm32f4xx_hal::pac;
 use tautline_board::comms::Comms;
+use tautline_board::crash::Cause;
 use tautline_board::flight::Flight;
 use tautline_board::inbox::Inbox;
+use tautline_board::port::{Port, Queued};
 use tautline_board::settings::Settings;
-use tautline_cortex::stack;
+use tautline_board::tasks::{self, OUTPUTS, PORTS};
+use tautline_cortex::{crash, stack};
 use tautline_firmware::param::Params;
 use tautline_firmware::vehicle::StepOutput;
 
-/// Steps that may wait for the communications task.
-const OUTPUTS: usize = 5;
 /// The flight task has a vector of its own, which the data-ready edge, the timer or an emulator pends.
 pub const FLIGHT: pac::Interrupt = pac::Interrupt::CAN1_SCE;
-/// MAVLink connections.
-pub const CONSOLE: usize = 0;
-/// USART1.
-pub const UART: usize = 1;
 
 #[rtic::app(device = stm32f4xx_hal::pac, peripherals = true, dispatchers = [CAN2_TX, CAN2_RX0])]
-mod tasks {
+mod image {
     use super::*;
 
     #[shared]
@@ -34,14 +30,14 @@ mod tasks {
     #[local]
     struct Local {
         flight: Flight<board::ImuBus, board::Motor>,
-        meter: board::Meter,
+        pace: board::Pace,
         outputs_in: Producer<'static, StepOutput>,
         outputs_out: Consumer<'static, StepOutput>,
-        comms: Comms<2>,
+        comms: Comms<PORTS>,
         console: board::Console,
         log: board::LogSink,
+        telemetry: Option<Queued>,
         uart: Option<telemetry::Port>,
-        uart_io: Option<(crate::bytes::Into, crate::bytes::OutOf)>,
         devices: board::Devices,
         settings: Option<Settings<board::ParameterFlash>>,
         background: board::Background,
@@ -74,22 +70,19 @@ mod tasks {
             defmt::error!("{}", notice.as_str());
         }
         let (outputs_in, outputs_out) = cx.local.outputs.split();
-        let (uart, uart_io) = match board.telemetry {
-            Some((port, into, out_of)) => (Some(port), Some((into, out_of))),
-            None => (None, None),
-        };
+        let (uart, telemetry) = board.telemetry.unzip();
         (
             Shared { inbox: Inbox::default(), params },
             Local {
                 flight,
-                meter: board.meter,
+                pace: board.pace,
                 outputs_in,
                 outputs_out,
                 comms: Comms::new(params, notice),
                 console: board.console,
                 log: board.log,
+                telemetry,
                 uart,
-                uart_io,
                 devices: board.devices,
                 settings,
                 background: board.background,
@@ -100,62 +93,23 @@ mod tasks {
     }
 
     /// One inertial sample.
-    #[task(binds = CAN1_SCE, priority = 5, local = [flight, meter, outputs_in], shared = [inbox, params])]
+    #[task(binds = CAN1_SCE, priority = 5, local = [flight, pace, outputs_in], shared = [inbox, params])]
     fn flight(mut cx: flight::Context) {
-        let flight = cx.local.flight;
-        let now = board::now();
-        let imu = flight.read(now, board::take_ready());
-        let mut input = cx.shared.inbox.lock(|inbox| inbox.take(now));
-        input.sensors.imu = imu;
-        cx.local.meter.begin();
-        let out = flight.step(&input);
-        cx.local.meter.end();
-        flight.drive(&out);
-        crash::ARMED.store(out.is_armed, Ordering::Relaxed);
-        board::stepped(&out);
-        if out.reply.is_some() {
-            cx.shared.params.lock(|params| *params = *flight.vehicle.params());
-        }
-        if cx.local.outputs_in.enqueue(out).is_err() {
-            cx.local.meter.lost();
-        }
+        let local = cx.local;
+        let shared = (&mut cx.shared.inbox, &mut cx.shared.params);
+        tasks::flight(local.flight, local.pace, local.outputs_in, shared.0, shared.1);
         // Already waiting is as good.
         let _ = comms::spawn();
     }
 
     /// MAVLink and the log.
-    #[task(priority = 2, local = [comms, outputs_out, console, log, uart_io], shared = [inbox, params])]
+    #[task(priority = 2, local = [comms, outputs_out, console, log, telemetry], shared = [inbox, params])]
     async fn comms(mut cx: comms::Context) {
-        let comms = cx.local.comms;
-        while let Some(out) = cx.local.outputs_out.dequeue() {
-            let now = out.now;
-            let mut buffer = [0; 64];
-            if out.reply.is_some() {
-                let params = cx.shared.params.lock(|params| *params);
-                comms.set_params(&params);
-            }
-            loop {
-                let bytes = cx.local.console.take(&mut buffer);
-                if bytes.is_empty() {
-                    break;
-                }
-                comms.receive(CONSOLE, now, bytes, &mut |frame| cx.local.console.put(frame));
-            }
-            comms.transmit(CONSOLE, &out, &mut |frame| cx.local.console.put(frame));
-            if let Some((into, out_of)) = cx.local.uart_io {
-                loop {
-                    let bytes = out_of.take(&mut buffer);
-                    if bytes.is_empty() {
-                        break;
-                    }
-                    comms.receive(UART, now, bytes, &mut |frame| into.put(frame));
-                }
-                comms.transmit(UART, &out, &mut |frame| into.put(frame));
-                rtic::pend(pac::Interrupt::USART1);
-            }
-            cx.local.console.flush();
-            cx.shared.inbox.lock(|inbox| comms.collect(inbox));
-            cx.local.log.write(comms, &out);
+        let local = cx.local;
+        while let Some(out) = local.outputs_out.dequeue() {
+            let shared = (&mut cx.shared.inbox, &mut cx.shared.params);
+            let ports: [&mut dyn Port; PORTS] = [local.console, local.telemetry];
+            tasks::comms(local.comms, &out, ports, local.log, shared.0, shared.1);
             let _ = devices::spawn(out.is_armed);
         }
     }
@@ -163,23 +117,12 @@ mod tasks {
     /// Barometer, rangefinder, battery; on the ground also the parameters.
     #[task(priority = 1, local = [devices, settings], shared = [inbox, params])]
     async fn devices(mut cx: devices::Context, is_armed: bool) {
-        let devices = cx.local.devices;
-        let mut sensors = Default::default();
-        devices.poll(board::now(), &mut sensors);
-        cx.shared.inbox.lock(|inbox| inbox.put(&sensors));
-        if is_armed {
-            return;
-        }
-        if devices.wants_set_up() {
-            devices.revive(&mut board::delay());
-        }
-        if let Some(settings) = cx.local.settings {
-            let params = cx.shared.params.lock(|params| *params);
-            if settings.store_next(&params).is_err() {
-                defmt::error!("parameters: not stored");
-                // Once; the flash is worn or the range is full, and it would say so every millisecond.
-                *cx.local.settings = None;
-            }
+        let (devices, settings) = (cx.local.devices, cx.local.settings);
+        let at = (board::now(), is_armed);
+        let shared = (&mut cx.shared.inbox, &mut cx.shared.params);
+        let mut delay = board::delay();
+        if tasks::devices(devices, settings, at, &mut delay, shared.0, shared.1).is_err() {
+            defmt::error!("parameters: not stored");
         }
     }
 
@@ -209,18 +152,22 @@ mod tasks {
 
     #[task(binds = OTG_FS, priority = 3, local = [usb])]
     fn usb(cx: usb::Context) {
-        cx.local.usb.serve();
+        if let Some(port) = cx.local.usb {
+            port.serve();
+        }
     }
 
     #[task(binds = USART6, priority = 4, local = [listener])]
     fn range(cx: range::Context) {
-        cx.local.listener.serve();
+        if let Some(listener) = cx.local.listener {
+            listener.serve();
+        }
     }
 
     /// The supply is going.
     #[task(binds = PVD, priority = 7)]
     fn brown_out(_: brown_out::Context) {
-        crash::end(tautline_board::crash::Cause::BrownOut, [0, 0])
+        crash::end(Cause::BrownOut, [0, 0], board::stop_motors)
     }
 
     #[idle(local = [background])]

@@ -1,12 +1,7 @@
 //! Flight image for STM32F405 autopilot boards.
 //!
-//! ```text
-//! data-ready edge ─▶ flight (5): burst, Vehicle::step, pulses ─▶ queue ─▶ comms (2): MAVLink, log ─▶ idle: card
-//!                       ▲                                                   │
-//!                       └──────────────── inbox ◀── devices (1) ◀───────────┘
-//! ```
-//!
-//! Numbers are priorities. The inertial sensor paces everything; when it falls silent a millisecond timer does.
+//! What the tasks do is `tautline_board::tasks`'s; `app` gives them vectors and priorities. The inertial sensor paces
+//! everything; when it falls silent a millisecond timer does.
 //! The board is a feature: a file of pins under `hardware/`, or `emulated`, where a host plays the devices.
 
 #![cfg_attr(target_os = "none", no_std, no_main)]
@@ -29,10 +24,9 @@ mod board;
 #[path = "hardware/mod.rs"]
 mod board;
 #[cfg(target_os = "none")]
-mod bytes;
-#[cfg(target_os = "none")]
 mod clock;
 #[cfg(target_os = "none")]
-mod crash;
-#[cfg(target_os = "none")]
 mod telemetry;
+
+#[cfg(target_os = "none")]
+tautline_cortex::crash_handlers!(board::stop_motors);

@@ -1,11 +1,14 @@
-//! What does a step cost? Under `-icount shift=0` TIM2 counts instructions.
+//! The board's part in the flight task. What does a step cost? Under `-icount shift=0` TIM2 counts instructions.
 
 use super::host;
 use core::sync::atomic::{AtomicU32, Ordering};
 use stm32f4xx_hal::pac::TIM2;
 use stm32f4xx_hal::rcc::{Enable, Rcc};
-use tautline_board::wire::{Ask, Counts, DEAR};
-use tautline_cortex::stack;
+use tautline_board::tasks;
+use tautline_board::wire::{Ask, Counts, DEAR, Status};
+use tautline_cortex::{crash, stack};
+use tautline_firmware::time::Micros;
+use tautline_firmware::vehicle::StepOutput;
 
 /// Told to the host once a second and at the end.
 const PERIOD: u32 = 1000;
@@ -23,12 +26,12 @@ fn add(count: &AtomicU32, more: u32) {
 }
 
 /// Around each step.
-pub struct Meter {
+pub struct Pace {
     timer: TIM2,
     began: u32,
 }
 
-impl Meter {
+impl Pace {
     pub fn start(timer: TIM2, rcc: &mut Rcc) -> Self {
         TIM2::enable(rcc);
         timer.arr().write(|w| w.set(u32::MAX));
@@ -37,11 +40,36 @@ impl Meter {
         Self { timer, began: 0 }
     }
 
-    pub fn begin(&mut self) {
+    pub fn report() {
+        let read = |count: &AtomicU32| count.load(Ordering::Relaxed);
+        let (stack, stack_room) = stack::depth().unwrap_or((0, 0));
+        host::post(&Ask::Counts(Counts {
+            steps: read(&STEPS),
+            instructions: u64::from(read(&HIGH)) << 32 | u64::from(read(&LOW)),
+            worst: read(&WORST),
+            worst_step: read(&WORST_STEP),
+            dear: read(&DEAR_STEPS),
+            lost_outputs: read(&LOST),
+            stack,
+            stack_room,
+        }));
+    }
+}
+
+impl tasks::Pace for Pace {
+    fn now(&mut self) -> Micros {
+        super::now()
+    }
+
+    fn take_ready(&mut self) -> bool {
+        super::READY.swap(false, Ordering::Relaxed)
+    }
+
+    fn begin(&mut self) {
         self.began = self.timer.cnt().read().bits();
     }
 
-    pub fn end(&mut self) {
+    fn end(&mut self) {
         let spent = self.timer.cnt().read().bits().wrapping_sub(self.began);
         let low = LOW.load(Ordering::Relaxed);
         add(&LOW, spent);
@@ -58,23 +86,12 @@ impl Meter {
         }
     }
 
-    /// An output found the queue full.
-    pub fn lost(&mut self) {
+    fn lost(&mut self) {
         add(&LOST, 1);
     }
 
-    pub fn report() {
-        let read = |count: &AtomicU32| count.load(Ordering::Relaxed);
-        let (stack, stack_room) = stack::depth().unwrap_or((0, 0));
-        host::post(&Ask::Counts(Counts {
-            steps: read(&STEPS),
-            instructions: u64::from(read(&HIGH)) << 32 | u64::from(read(&LOW)),
-            worst: read(&WORST),
-            worst_step: read(&WORST_STEP),
-            dear: read(&DEAR_STEPS),
-            lost_outputs: read(&LOST),
-            stack,
-            stack_room,
-        }));
+    fn stepped(&mut self, out: &StepOutput) {
+        crash::ARMED.store(out.is_armed, Ordering::Relaxed);
+        host::post(&Ask::Status(Status::of(out)));
     }
 }

@@ -7,7 +7,7 @@ mod meter;
 
 pub use buses::{Delay, ImuBus, Motor, Pins, RangePort, SlowBus};
 pub use flash::ParameterFlash;
-pub use meter::Meter;
+pub use meter::Pace;
 
 use crate::telemetry;
 use core::sync::atomic::{AtomicBool, Ordering};
@@ -15,10 +15,14 @@ use heapless::String;
 use stm32f4xx_hal::pac;
 use stm32f4xx_hal::prelude::*;
 use tautline_board::comms::{Comms, LogFile};
+use tautline_board::crash::Cause;
 use tautline_board::flight::protocol;
+use tautline_board::port::{Port, Queued};
+use tautline_board::recorder::Recorder;
 use tautline_board::settings::Settings;
 use tautline_board::slow::SlowDevices;
-use tautline_board::wire::{Ask, Injury, Reply, Status};
+use tautline_board::wire::{Ask, Injury, Reply};
+use tautline_cortex::crash;
 use tautline_firmware::param::Params;
 use tautline_firmware::signal::ROTORS;
 use tautline_firmware::time::Micros;
@@ -31,8 +35,8 @@ use tautline_hal_shim::parameters::ParameterStore;
 pub type Devices = SlowDevices<SlowBus, RangePort, Pins, Pins>;
 
 /// Neither has anything to do.
-pub type Usb = Nobody;
-pub type Listener = Nobody;
+pub type Usb = Option<Nobody>;
+pub type Listener = Option<Nobody>;
 
 /// What the board needs for ever: nothing here.
 pub struct Memory;
@@ -49,14 +53,14 @@ pub struct Board {
     pub motors: Motors,
     pub devices: Devices,
     pub flash: ParameterFlash,
-    pub telemetry: Option<(telemetry::Port, crate::bytes::Into, crate::bytes::OutOf)>,
+    pub telemetry: Option<(telemetry::Port, Queued)>,
     pub console: Console,
     pub log: LogSink,
     pub background: Background,
     pub delay: Delay,
-    pub meter: Meter,
-    pub usb: Nobody,
-    pub listener: Nobody,
+    pub pace: Pace,
+    pub usb: Usb,
+    pub listener: Listener,
     pub notice: Option<String<50>>,
 }
 
@@ -86,9 +90,9 @@ pub fn start(
         log: LogSink,
         background: Background,
         delay: Delay,
-        meter: Meter::start(device.TIM2, &mut rcc),
-        usb: Nobody,
-        listener: Nobody,
+        pace: Pace::start(device.TIM2, &mut rcc),
+        usb: None,
+        listener: None,
         notice: None,
     }
 }
@@ -131,11 +135,6 @@ pub fn delay() -> Delay {
     Delay
 }
 
-/// Whether the inertial sensor has a sample since the last call.
-pub fn take_ready() -> bool {
-    READY.swap(false, Ordering::Relaxed)
-}
-
 /// Edges, timer, watchdog, USB and the rangefinder's UART have no part here.
 pub fn data_ready() {}
 pub fn pulse() {}
@@ -147,30 +146,25 @@ impl Nobody {
     pub fn serve(&mut self) {}
 }
 
-/// What the host wants of each step.
-pub fn stepped(out: &StepOutput) {
-    host::post(&Ask::Status(Status::of(out)));
-}
-
 /// MAVLink's second port; on a board this is USB.
 pub struct Console;
 
-impl Console {
-    pub fn take<'b>(&mut self, buffer: &'b mut [u8]) -> &'b [u8] {
+impl Port for Console {
+    fn take<'b>(&mut self, buffer: &'b mut [u8]) -> &'b [u8] {
         host::take_console(buffer)
     }
-    pub fn put(&mut self, frame: &[u8]) -> bool {
+    fn put(&mut self, frame: &[u8]) -> bool {
         host::post(&Ask::Console(frame));
         true
     }
-    pub fn flush(&mut self) {}
+    fn flush(&mut self) {}
 }
 
 /// The flight log goes to the host.
 pub struct LogSink;
 
-impl LogSink {
-    pub fn write(&mut self, comms: &mut Comms<2>, out: &StepOutput) {
+impl Recorder for LogSink {
+    fn write<const PORTS: usize>(&mut self, comms: &mut Comms<PORTS>, out: &StepOutput) {
         let mut file = LogFile {
             begin: &mut || true,
             write: &mut |bytes| {
@@ -196,7 +190,7 @@ impl Background {
                     match injury {
                         Some(Injury::HardFault) => fault(),
                         Some(Injury::Panic) => {
-                            crate::crash::end(tautline_board::crash::Cause::Panic, [line!(), 0])
+                            crash::end(Cause::Panic, [line!(), 0], stop_motors);
                         }
                         None => {}
                     }
@@ -204,7 +198,7 @@ impl Background {
                     rtic::pend(crate::app::FLIGHT);
                 }
                 None => {
-                    Meter::report();
+                    Pace::report();
                     host::exit();
                 }
             }

@@ -1,6 +1,5 @@
 //! A real board: the pins of one of the files here, and what is the same on all.
 
-mod card;
 mod flash;
 mod motors;
 #[cfg_attr(feature = "matek-f405-te", path = "matek_f405_te.rs")]
@@ -8,27 +7,30 @@ mod motors;
 mod pins;
 mod range;
 mod time;
-mod usb;
 mod wiring;
 
-pub use card::{Background, LogSink};
 pub use flash::ParameterFlash;
 pub use motors::{Motor, Motors, stop_motors};
-pub use range::RangePort;
-pub use time::{Delay, Meter, delay, now, pulse};
-pub use usb::Console;
+pub use time::{Delay, delay, now, pulse};
 
 use crate::telemetry;
 use core::cell::RefCell;
+use core::mem::MaybeUninit;
 use core::sync::atomic::{AtomicBool, Ordering};
 use critical_section::Mutex;
+use embedded_sdmmc::SdCard;
 use heapless::String;
-use stm32f4xx_hal::otg_fs::USB;
+use stm32f4xx_hal::otg_fs::{USB, UsbBus, UsbBusType};
 use stm32f4xx_hal::pac;
 use stm32f4xx_hal::spi::Spi;
+use tautline_board::port::{Inward, Queued};
+use tautline_board::recorder::{self, CardWriter, LogQueue, Told};
 use tautline_board::settings::Settings;
 use tautline_board::slow::SlowDevices;
+use tautline_board::{tasks, usb};
+use tautline_cortex::crash;
 use tautline_firmware::param::Params;
+use tautline_firmware::time::Micros;
 use tautline_firmware::vehicle::StepOutput;
 use tautline_hal_shim::battery::BatteryMonitor;
 use tautline_hal_shim::parameters::ParameterStore;
@@ -37,22 +39,38 @@ use wiring::{BatteryCell, CurrentPin, VoltagePin};
 /// The inertial sensor's bus.
 pub type ImuBus = wiring::Device<Spi<pac::SPI1>>;
 /// Barometer, rangefinder and battery on their buses.
-pub type Devices =
-    SlowDevices<stm32f4xx_hal::i2c::I2c<pac::I2C1>, RangePort, VoltagePin, CurrentPin>;
+pub type Devices = SlowDevices<stm32f4xx_hal::i2c::I2c<pac::I2C1>, Inward, VoltagePin, CurrentPin>;
+/// MAVLink's first port.
+pub type Console = Queued;
+/// Where the log goes.
+pub type LogSink = LogQueue;
+/// The interrupt's side of USB, where there is a clock for it.
+pub type Usb = Option<usb::Usb<UsbBusType>>;
+/// Listens to the rangefinder.
+pub type Listener = Option<range::Listener>;
 
 static BATTERY: BatteryCell = Mutex::new(RefCell::new(None));
 static READY: AtomicBool = AtomicBool::new(false);
 
 /// What lives for ever.
 pub struct Memory {
+    endpoints: [u32; 512],
+    bus: MaybeUninit<usb_device::bus::UsbBusAllocator<UsbBusType>>,
     usb: usb::Memory,
     range: range::Memory,
-    log: card::Memory,
+    /// A fifth of a second of log, and the header of a file, which is longer.
+    log: recorder::Memory<16_384>,
 }
 
 impl Memory {
     pub const fn new() -> Self {
-        Self { usb: usb::Memory::new(), range: range::Memory::new(), log: card::Memory::new() }
+        Self {
+            endpoints: [0; 512],
+            bus: MaybeUninit::uninit(),
+            usb: usb::Memory::new(),
+            range: range::Memory::new(),
+            log: recorder::Memory::new(),
+        }
     }
 }
 
@@ -62,37 +80,15 @@ pub struct Board {
     pub motors: Motors,
     pub devices: Devices,
     pub flash: ParameterFlash,
-    pub telemetry: Option<(telemetry::Port, crate::bytes::Into, crate::bytes::OutOf)>,
+    pub telemetry: Option<(telemetry::Port, Queued)>,
     pub console: Console,
     pub log: LogSink,
     pub background: Background,
     pub delay: Delay,
-    pub meter: Meter,
+    pub pace: Pace,
     pub usb: Usb,
     pub listener: Listener,
     pub notice: Option<String<50>>,
-}
-
-/// Serves USB where there is a clock for it.
-pub struct Usb(Option<usb::Port>);
-
-impl Usb {
-    pub fn serve(&mut self) {
-        if let Some(port) = &mut self.0 {
-            port.serve();
-        }
-    }
-}
-
-/// Listens to the rangefinder.
-pub struct Listener(Option<range::Listener>);
-
-impl Listener {
-    pub fn serve(&mut self) {
-        if let Some(listener) = &mut self.0 {
-            listener.serve();
-        }
-    }
 }
 
 pub fn start(
@@ -117,8 +113,10 @@ pub fn start(
     let (listener, range) = range::start(wired.range, &mut board_memory.range, &mut wired.rcc);
     let (global, usb_device, clock, minus, plus) = wired.usb;
     let usb = USB::new((global, usb_device, clock), (minus, plus), &wired.rcc.clocks);
-    let (port, console) = usb::start(usb, &mut board_memory.usb);
-    let (log, background) = card::start(wired.card, &mut board_memory.log);
+    let bus = board_memory.bus.write(UsbBus::new(usb, &mut board_memory.endpoints));
+    let pend = || rtic::pend(pac::Interrupt::OTG_FS);
+    let (port, console) = usb::Usb::new(bus, pins::NAME, &mut board_memory.usb, pend);
+    let (log, card) = board_memory.log.split(SdCard::new(wired.card, Delay));
     let battery = BatteryMonitor::new(VoltagePin(&BATTERY), CurrentPin(&BATTERY));
     Board {
         imu: wired.imu,
@@ -127,12 +125,12 @@ pub fn start(
         telemetry,
         console,
         log,
-        background,
+        background: Background(card),
         delay: Delay,
-        meter: Meter,
+        pace: Pace,
         // Without the crystal USB's clock is off by too much.
-        usb: Usb(port.filter(|_| source == crate::clock::Source::Crystal)),
-        listener: Listener(listener),
+        usb: port.filter(|_| source == crate::clock::Source::Crystal),
+        listener,
         notice: was_watchdog.then(|| String::try_from("Reset: watchdog").unwrap_or_default()),
         motors: Motors { timers: wired.motors, rcc: wired.rcc },
     }
@@ -169,12 +167,41 @@ pub fn data_ready() {
     rtic::pend(crate::app::FLIGHT);
 }
 
-/// Whether the inertial sensor has a sample since the last call.
-pub fn take_ready() -> bool {
-    READY.swap(false, Ordering::Relaxed)
+/// The board's part in the flight task. A step's cost is measured under emulation.
+pub struct Pace;
+
+impl tasks::Pace for Pace {
+    fn now(&mut self) -> Micros {
+        now()
+    }
+    fn take_ready(&mut self) -> bool {
+        READY.swap(false, Ordering::Relaxed)
+    }
+    fn stepped(&mut self, out: &StepOutput) {
+        crash::ARMED.store(out.is_armed, Ordering::Relaxed);
+        time::feed();
+    }
+    fn lost(&mut self) {
+        defmt::warn!("an output found no room");
+    }
 }
 
-/// After each step: whoever steps is alive.
-pub fn stepped(_: &StepOutput) {
-    time::feed();
+/// The card, when nothing else wants the processor.
+pub struct Background(CardWriter<SdCard<wiring::Device<pins::CardSpi>, Delay>>);
+
+impl Background {
+    pub fn run(&mut self) -> ! {
+        loop {
+            match self.0.serve() {
+                Some(Told::Began(number)) => {
+                    pins::card_fast();
+                    defmt::info!("log {}", number);
+                }
+                Some(Told::NoCard) => defmt::warn!("no card, no log"),
+                Some(Told::Failed) => defmt::warn!("card: write failed, the log ends"),
+                Some(Told::Closed(false)) => defmt::warn!("card: the last file may lack its end"),
+                Some(Told::Closed(true)) | None => {}
+            }
+        }
+    }
 }

@@ -1,4 +1,4 @@
-//! Microseconds, the millisecond pulse, the watchdog, waiting, and what a step costs.
+//! Microseconds, the millisecond pulse, the watchdog, and waiting.
 
 use core::sync::atomic::{AtomicU32, Ordering};
 use cortex_m::peripheral::SYST;
@@ -8,6 +8,7 @@ use stm32f4xx_hal::pac::{IWDG, TIM5};
 use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::rcc::{BusTimerClock, Enable, Rcc};
 use stm32f4xx_hal::watchdog::IndependentWatchdog;
+use tautline_cortex::micros;
 use tautline_firmware::time::Micros;
 
 /// The sensor is silent when its edge is this late, µs: the pulse then paces the flight task.
@@ -16,9 +17,6 @@ const SILENT_US: u32 = 2_500;
 const WATCHDOG_MS: u32 = 2_000;
 const RELOAD_KEY: u16 = 0xAAAA;
 
-/// Wraps of the counter, seen by whoever asks often enough: once in 71 minutes.
-static WRAPS: AtomicU32 = AtomicU32::new(0);
-static LAST: AtomicU32 = AtomicU32::new(0);
 static SAMPLE_AT: AtomicU32 = AtomicU32::new(0);
 
 fn count() -> u32 {
@@ -45,14 +43,7 @@ pub fn start(timer: TIM5, mut syst: SYST, watchdog: IWDG, rcc: &mut Rcc) {
 
 /// µs since power-up.
 pub fn now() -> Micros {
-    critical_section::with(|_| {
-        let low = count();
-        if low < LAST.load(Ordering::Relaxed) {
-            WRAPS.store(WRAPS.load(Ordering::Relaxed).wrapping_add(1), Ordering::Relaxed);
-        }
-        LAST.store(low, Ordering::Relaxed);
-        Micros(u64::from(WRAPS.load(Ordering::Relaxed)) << 32 | u64::from(low))
-    })
+    micros::now(count)
 }
 
 /// An edge of the inertial sensor.
@@ -86,16 +77,5 @@ impl DelayNs for Delay {
         let (from, wait) = (count(), ns.div_ceil(1_000) + 1);
         // Only the flight task feeds the watchdog: whoever waits here says nothing of it.
         while count().wrapping_sub(from) < wait {}
-    }
-}
-
-/// A step's cost is measured under emulation; here only lost outputs are told.
-pub struct Meter;
-
-impl Meter {
-    pub fn begin(&mut self) {}
-    pub fn end(&mut self) {}
-    pub fn lost(&mut self) {
-        defmt::warn!("an output found no room");
     }
 }

@@ -1,11 +1,8 @@
 //! Panics and faults: the motors stop, a record is kept, the part resets, and the next start tells of it.
 
-use crate::board;
 use core::mem::MaybeUninit;
-use core::panic::PanicInfo;
 use core::sync::atomic::{AtomicBool, Ordering};
 use cortex_m::peripheral::SCB;
-use cortex_m_rt::{ExceptionFrame, exception};
 use tautline_board::crash::{Cause, Record};
 
 /// A reset does not clear it.
@@ -18,6 +15,8 @@ pub static ARMED: AtomicBool = AtomicBool::new(false);
 fn keep(record: Record) {
     // SAFETY: written by handlers that never return, with interrupts off, and at boot before any starts.
     unsafe { (&raw mut KEPT).cast::<Record>().write_volatile(record) };
+    // The write shall be in memory, not on its way, when the part resets.
+    cortex_m::asm::dsb();
 }
 
 /// The record of the last run, once.
@@ -29,24 +28,32 @@ pub fn take() -> Record {
 }
 
 /// Stops the motors, keeps a record and resets.
-pub fn end(cause: Cause, words: [u32; 2]) -> ! {
+pub fn end(cause: Cause, words: [u32; 2], stop_motors: fn()) -> ! {
     cortex_m::interrupt::disable();
-    board::stop_motors();
+    stop_motors();
     keep(Record::new(cause, words, ARMED.load(Ordering::Relaxed)));
     SCB::sys_reset()
 }
 
-#[exception]
-unsafe fn HardFault(frame: &ExceptionFrame) -> ! {
-    end(Cause::HardFault, [frame.pc(), frame.lr()])
-}
+/// The handlers of an image, given what stops its motors from any context.
+#[macro_export]
+macro_rules! crash_handlers {
+    ($stop_motors:path) => {
+        #[cortex_m_rt::exception]
+        unsafe fn HardFault(frame: &cortex_m_rt::ExceptionFrame) -> ! {
+            let cause = tautline_board::crash::Cause::HardFault;
+            $crate::crash::end(cause, [frame.pc(), frame.lr()], $stop_motors)
+        }
 
-#[panic_handler]
-fn panic(info: &PanicInfo) -> ! {
-    end(Cause::Panic, [info.location().map_or(0, |at| at.line()), 0])
-}
+        #[panic_handler]
+        fn panic(info: &core::panic::PanicInfo) -> ! {
+            let line = info.location().map_or(0, |at| at.line());
+            $crate::crash::end(tautline_board::crash::Cause::Panic, [line, 0], $stop_motors)
+        }
 
-#[defmt::panic_handler]
-fn defmt_panic() -> ! {
-    end(Cause::Panic, [0, 0])
+        #[defmt::panic_handler]
+        fn defmt_panic() -> ! {
+            $crate::crash::end(tautline_board::crash::Cause::Panic, [0, 0], $stop_motors)
+        }
+    };
 }
