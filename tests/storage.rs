@@ -96,6 +96,13 @@ fn ten_thousand_power_cuts_lose_nothing_but_the_write_in_flight() {
     survive::<1024, 4>(5, 60, 2_000, 2);
 }
 
+/// STM32H7's words of 32 bytes: written once, and spoilt when the power goes in the middle.
+#[test]
+fn ten_thousand_power_cuts_lose_nothing_on_a_flash_with_error_correction() {
+    survive::<4096, 32>(3, 20, 8_000, 3);
+    survive::<4096, 32>(5, 60, 2_000, 4);
+}
+
 #[test]
 fn the_reference_boards_three_sectors_hold_every_parameter() {
     let mut flash = FakeFlash::<16_384, 4>::new(3, 3);

@@ -53,7 +53,8 @@ fn said<E>(error: sequential_storage::Error<E>) -> StorageError<E> {
     }
 }
 
-/// Parameters in a range of a flash.
+/// Parameters in a range of a flash. Any word is written once between two erasings; a flash with error correction
+/// reads a word that a power cut spoilt as zeros.
 pub struct ParameterStore<F: NorFlash> {
     map: MapStorage<Name, Journalled<F>, Cache<Uncached, Uncached, Uncached, Name>>,
     buffer: [u8; BUFFER],
