@@ -26,7 +26,7 @@ const PROFILE: &str = "flight";
 const KIB: u64 = 1024;
 
 /// All images.
-pub const IMAGES: [Image; 3] = [
+pub const IMAGES: [Image; 4] = [
     Image {
         name: "speedybee-f405-v4",
         package: "tautline-f405",
@@ -44,6 +44,15 @@ pub const IMAGES: [Image; 3] = [
         chip: "STM32F405RG",
         flash: 256 * KIB,
         ram: 64 * KIB,
+    },
+    Image {
+        name: "matek-h743-slim-v3",
+        package: "tautline-h743",
+        feature: "matek-h743-slim-v3",
+        target: M4F,
+        chip: "STM32H743VI",
+        flash: 320 * KIB,
+        ram: 96 * KIB,
     },
     Image {
         name: "emulated-f405",

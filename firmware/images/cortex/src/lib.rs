@@ -3,6 +3,8 @@
 #![cfg_attr(target_os = "none", no_std)]
 
 #[cfg(target_os = "none")]
+pub mod bus_fault;
+#[cfg(target_os = "none")]
 mod copy;
 #[cfg(target_os = "none")]
 pub mod crash;

@@ -1,0 +1,177 @@
+//! Vectors and priorities of the tasks, and what they share.
+
+use crate::{board, motors};
+use heapless::spsc::{Consumer, Producer, Queue};
+use tautline_board::comms::Comms;
+use tautline_board::crash::Cause;
+use tautline_board::flight::Flight;
+use tautline_board::inbox::Inbox;
+use tautline_board::port::{Port, Queued};
+use tautline_board::settings::Settings;
+use tautline_board::tasks::{self, OUTPUTS, PORTS};
+use tautline_cortex::{crash, stack};
+use tautline_firmware::param::Params;
+use tautline_firmware::vehicle::StepOutput;
+
+/// What RTIC wants of a device.
+pub mod device {
+    pub use Interrupt as interrupt;
+    pub use embassy_stm32::pac::{Interrupt, NVIC_PRIO_BITS};
+}
+
+/// The flight task has a vector of its own, which the data-ready edge or the timer pends.
+pub const FLIGHT: device::Interrupt = device::Interrupt::FDCAN1_IT0;
+
+#[rtic::app(device = crate::app::device, peripherals = false, dispatchers = [FDCAN1_IT1, FDCAN2_IT0])]
+mod image {
+    use super::*;
+
+    #[shared]
+    struct Shared {
+        inbox: Inbox,
+        params: Params,
+    }
+
+    #[local]
+    struct Local {
+        flight: Flight<board::ImuBus, motors::Motor>,
+        pace: board::Pace,
+        outputs_in: Producer<'static, StepOutput>,
+        outputs_out: Consumer<'static, StepOutput>,
+        comms: Comms<PORTS>,
+        console: Queued,
+        log: board::LogSink,
+        telemetry: Option<Queued>,
+        uart: Option<board::Telemetry>,
+        devices: board::Devices,
+        settings: Option<Settings<crate::flash::ParameterFlash>>,
+        background: board::Background,
+        usb: Option<board::Usb>,
+        listener: Option<board::Listener>,
+    }
+
+    #[init(local = [
+        outputs: Queue<StepOutput, OUTPUTS> = Queue::new(),
+        memory: board::Memory = board::Memory::new(),
+    ])]
+    fn init(cx: init::Context) -> (Shared, Local) {
+        stack::paint();
+        let record = crash::take();
+        let mut board = board::start(cx.core, cx.local.memory);
+        let settings = board::open_settings();
+        let params = settings.as_ref().map_or_else(board::defaults, |s| *s.params());
+
+        let motors = board.motors.run(&params);
+        let mut flight = Flight::new(board.imu, motors, params);
+        if flight.set_up(&mut board.delay).is_err() {
+            defmt::error!("inertial sensor: no set-up");
+        }
+        if board.devices.set_up(&mut board.delay).is_err() {
+            defmt::warn!("barometer: no set-up");
+        }
+        let notice = record.text().or(board.notice);
+        if let Some(notice) = &notice {
+            defmt::error!("{}", notice.as_str());
+        }
+        let (outputs_in, outputs_out) = cx.local.outputs.split();
+        let (uart, telemetry) = board.telemetry.unzip();
+        crate::time::guard(board.watchdog);
+        (
+            Shared { inbox: Inbox::default(), params },
+            Local {
+                flight,
+                pace: board::Pace,
+                outputs_in,
+                outputs_out,
+                comms: Comms::new(params, notice),
+                console: board.console,
+                log: board.log,
+                telemetry,
+                uart,
+                devices: board.devices,
+                settings,
+                background: board.background,
+                usb: board.usb,
+                listener: board.listener,
+            },
+        )
+    }
+
+    /// One inertial sample.
+    #[task(binds = FDCAN1_IT0, priority = 5, local = [flight, pace, outputs_in], shared = [inbox, params])]
+    fn flight(mut cx: flight::Context) {
+        let local = cx.local;
+        let shared = (&mut cx.shared.inbox, &mut cx.shared.params);
+        tasks::flight(local.flight, local.pace, local.outputs_in, shared.0, shared.1);
+        // Already waiting is as good.
+        let _ = comms::spawn();
+    }
+
+    /// MAVLink and the log.
+    #[task(priority = 2, local = [comms, outputs_out, console, log, telemetry], shared = [inbox, params])]
+    async fn comms(mut cx: comms::Context) {
+        let local = cx.local;
+        while let Some(out) = local.outputs_out.dequeue() {
+            let shared = (&mut cx.shared.inbox, &mut cx.shared.params);
+            let ports: [&mut dyn Port; PORTS] = [local.console, local.telemetry];
+            tasks::comms(local.comms, &out, ports, local.log, shared.0, shared.1);
+            let _ = devices::spawn(out.is_armed);
+        }
+    }
+
+    /// Barometer, rangefinder, battery; on the ground also the parameters.
+    #[task(priority = 1, local = [devices, settings], shared = [inbox, params])]
+    async fn devices(mut cx: devices::Context, is_armed: bool) {
+        let (devices, settings) = (cx.local.devices, cx.local.settings);
+        let at = (crate::time::now(), is_armed);
+        let shared = (&mut cx.shared.inbox, &mut cx.shared.params);
+        let mut delay = crate::time::Delay;
+        if tasks::devices(devices, settings, at, &mut delay, shared.0, shared.1).is_err() {
+            defmt::error!("parameters: not stored");
+        }
+    }
+
+    #[task(binds = UART7, priority = 4, local = [uart])]
+    fn uart(cx: uart::Context) {
+        if let Some(port) = cx.local.uart {
+            port.serve();
+        }
+    }
+
+    /// Data-ready edge of the first inertial sensor.
+    #[task(binds = EXTI2, priority = 6)]
+    fn edge(_: edge::Context) {
+        board::data_ready();
+    }
+
+    /// The millisecond timer: paces the flight task when the inertial sensor is silent.
+    #[task(binds = SysTick, priority = 6)]
+    fn pulse(_: pulse::Context) {
+        crate::time::pulse();
+    }
+
+    #[task(binds = OTG_FS, priority = 3, local = [usb])]
+    fn usb(cx: usb::Context) {
+        if let Some(port) = cx.local.usb {
+            port.serve();
+        }
+    }
+
+    #[task(binds = USART2, priority = 4, local = [listener])]
+    fn range(cx: range::Context) {
+        if let Some(listener) = cx.local.listener {
+            listener.serve();
+        }
+    }
+
+    /// The supply is going.
+    #[task(binds = PVD_AVD, priority = 7)]
+    fn brown_out(_: brown_out::Context) {
+        crash::end(Cause::BrownOut, [0, 0], motors::stop)
+    }
+
+    #[idle(local = [background])]
+    fn idle(cx: idle::Context) -> ! {
+        cx.local.background.run()
+    }
+}

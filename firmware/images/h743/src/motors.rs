@@ -1,0 +1,118 @@
+//! The motor outputs: M1 and M2 on channels 3 and 4 of TIM3, M3 and M4 on channels 1 and 2 of TIM5.
+
+use core::convert::Infallible;
+use core::sync::atomic::{AtomicU32, Ordering};
+use embassy_stm32::Peri;
+use embassy_stm32::gpio::OutputType;
+use embassy_stm32::pac::timer::TimGp16;
+use embassy_stm32::pac::{TIM3, TIM5};
+use embassy_stm32::peripherals::{self, PA0, PA1, PB0, PB1};
+use embassy_stm32::rcc::frequency;
+use embassy_stm32::time::Hertz;
+use embassy_stm32::timer::low_level::CountingMode;
+use embassy_stm32::timer::simple_pwm::{PwmPin, SimplePwm};
+use embedded_hal::pwm::{ErrorType, SetDutyCycle};
+use tautline_board::flight::protocol;
+use tautline_firmware::param::Params;
+use tautline_hal_shim::motors::MotorOutputs;
+
+/// Counts of both timers: 50,000 in a period of 400 Hz.
+const COUNT_HZ: u32 = 20_000_000;
+/// The stop pulse as a share of the period, of 65536.
+static STOP: AtomicU32 = AtomicU32::new(0);
+/// Timer and channel, from 0, of each motor.
+const OUTPUTS: [(Timer, usize); 4] =
+    [(Timer::Front, 2), (Timer::Front, 3), (Timer::Rear, 0), (Timer::Rear, 1)];
+
+#[derive(Clone, Copy)]
+enum Timer {
+    Front,
+    Rear,
+}
+
+impl Timer {
+    /// TIM5 counts to 32 bits; used as one of 16 it has the same registers.
+    fn registers(self) -> TimGp16 {
+        match self {
+            Self::Front => TIM3,
+            // SAFETY: a general-purpose timer, whose registers these are.
+            Self::Rear => unsafe { TimGp16::from_ptr(TIM5.as_ptr()) },
+        }
+    }
+}
+
+/// The timers before anybody knows the ESCs' protocol.
+pub struct Motors {
+    pub front: Peri<'static, peripherals::TIM3>,
+    pub rear: Peri<'static, peripherals::TIM5>,
+    pub pins: (Peri<'static, PB0>, Peri<'static, PB1>, Peri<'static, PA0>, Peri<'static, PA1>),
+}
+
+impl Motors {
+    pub fn run(self, params: &Params) -> MotorOutputs<Motor> {
+        let protocol = protocol(params);
+        let period = protocol.period_us();
+        STOP.store((protocol.pulse_us(0.0) / period * 65_536.0) as u32, Ordering::Relaxed);
+        let rate = Hertz((1e6 / period) as u32);
+        let (m1, m2, m3, m4) = self.pins;
+        let out = OutputType::PushPull;
+        let mode = CountingMode::EdgeAlignedUp;
+        let (m1, m2) = (Some(PwmPin::new(m1, out)), Some(PwmPin::new(m2, out)));
+        let (m3, m4) = (Some(PwmPin::new(m3, out)), Some(PwmPin::new(m4, out)));
+        let front = SimplePwm::new(self.front, None, None, m1, m2, rate, mode);
+        let rear = SimplePwm::new(self.rear, m3, m4, None, None, rate, mode);
+        let (front, rear) = (front.split(), rear.split());
+        for (timer, bus) in [
+            (Timer::Front, frequency::<peripherals::TIM3>()),
+            (Timer::Rear, frequency::<peripherals::TIM5>()),
+        ] {
+            let registers = timer.registers();
+            registers.psc().write_value((bus.0 / COUNT_HZ).saturating_sub(1) as u16);
+            registers.arr().write(|w| w.set_arr((COUNT_HZ / rate.0 - 1) as u16));
+        }
+        let (mut m1, mut m2, mut m3, mut m4) = (front.ch3, front.ch4, rear.ch1, rear.ch2);
+        stop();
+        m1.enable();
+        m2.enable();
+        m3.enable();
+        m4.enable();
+        match MotorOutputs::try_new(
+            OUTPUTS.map(|(timer, channel)| Motor { timer, channel }),
+            protocol,
+        ) {
+            Ok(outputs) => outputs,
+            Err(never) => match never {},
+        }
+    }
+}
+
+/// The stop pulse on every motor, at once and from any context.
+pub fn stop() {
+    for (timer, channel) in OUTPUTS {
+        let registers = timer.registers();
+        let period = u32::from(registers.arr().read().arr()) + 1;
+        let pulse = (period * STOP.load(Ordering::Relaxed)) >> 16;
+        registers.ccr(channel).write(|w| w.set_ccr(pulse as u16));
+        registers.egr().write(|w| w.set_ug(true));
+    }
+}
+
+/// One output.
+pub struct Motor {
+    timer: Timer,
+    channel: usize,
+}
+
+impl ErrorType for Motor {
+    type Error = Infallible;
+}
+
+impl SetDutyCycle for Motor {
+    fn max_duty_cycle(&self) -> u16 {
+        self.timer.registers().arr().read().arr().saturating_add(1)
+    }
+    fn set_duty_cycle(&mut self, duty: u16) -> Result<(), Infallible> {
+        self.timer.registers().ccr(self.channel).write(|w| w.set_ccr(duty));
+        Ok(())
+    }
+}
