@@ -136,7 +136,7 @@ fn a_position_filter_leaves_out_what_is_not_finite_and_an_attitude_filter_refuse
     let mut state = lost;
     assert_eq!(ekf().step(&mut state, &good), Err(Fault::NotFinite));
     let mahony = Mahony { kp: 0.2, ki: 0.01 };
-    let mut attitude = MahonyState { attitude: Attitude::level(0.3), gyro_bias: Body(V3::zeros()) };
+    let mut attitude = MahonyState::new(Attitude::level(0.3), Body(V3::zeros()));
     let before = attitude;
     for (gyro, accel) in [(nan, -9.8), (0.0, nan), (f64::INFINITY, -9.8)] {
         let result = mahony.step(

@@ -26,8 +26,7 @@ fn v<S: Scalar>(x: f64, y: f64, z: f64) -> V3<S> {
 /// Ten seconds of a swinging attitude.
 fn attitude<S: Scalar>() -> [f32; 4] {
     let filter = Mahony { kp: S::lit(0.2), ki: S::lit(0.01) };
-    let mut state =
-        MahonyState { attitude: Attitude::level(S::lit(0.4)), gyro_bias: Body(V3::zeros()) };
+    let mut state = MahonyState::new(Attitude::level(S::lit(0.4)), Body(V3::zeros()));
     for i in 0..2500 {
         let t = f64::from(i) * 0.004;
         let gyro = v(0.3 * t.sin(), 0.2 * (1.3 * t).cos(), 0.1);

@@ -71,10 +71,36 @@ impl Q16 {
     }
 }
 
+/// Counts what saturates, where the feature asks for it.
+#[inline(always)]
+fn count(saturates: bool) {
+    #[cfg(feature = "count-saturation")]
+    if saturates {
+        saturation::COUNT.fetch_add(1, core::sync::atomic::Ordering::Relaxed);
+    }
+    #[cfg(not(feature = "count-saturation"))]
+    let _ = saturates;
+}
+
+/// How often has an operation saturated? Zero in a flight proves the scaling. For the simulator and for debugging.
+#[cfg(feature = "count-saturation")]
+pub mod saturation {
+    use core::sync::atomic::{AtomicU32, Ordering};
+
+    pub(super) static COUNT: AtomicU32 = AtomicU32::new(0);
+
+    /// Operations of all threads since the start.
+    #[must_use]
+    pub fn count() -> u32 {
+        COUNT.load(Ordering::Relaxed)
+    }
+}
+
 impl Add for Q16 {
     type Output = Self;
     #[inline]
     fn add(self, o: Self) -> Self {
+        count(self.0.checked_add(o.0).is_none());
         Self(self.0.saturating_add(o.0))
     }
 }
@@ -82,6 +108,7 @@ impl Sub for Q16 {
     type Output = Self;
     #[inline]
     fn sub(self, o: Self) -> Self {
+        count(self.0.checked_sub(o.0).is_none());
         Self(self.0.saturating_sub(o.0))
     }
 }
@@ -94,10 +121,9 @@ impl Mul for Q16 {
         let upper = (wide >> 32) as i32;
         if upper.wrapping_add(0x8000) as u32 <= 0xFFFF {
             Self((wide >> 16) as i32)
-        } else if upper < 0 {
-            Self::MIN
         } else {
-            Self::MAX
+            count(true);
+            if upper < 0 { Self::MIN } else { Self::MAX }
         }
     }
 }
@@ -110,6 +136,7 @@ impl Div for Q16 {
         let is_negative = (self.0 < 0) != (o.0 < 0);
         let bound = if is_negative { Self::MIN } else { Self::MAX };
         let Some(whole) = n.checked_div(d) else {
+            count(n != 0);
             return if n == 0 {
                 Self(0)
             } else if self.0 < 0 {
@@ -119,6 +146,7 @@ impl Div for Q16 {
             };
         };
         if whole > 0x7FFF {
+            count(true);
             return bound;
         }
         let size = (whole << 16) | fraction(n - whole * d, d);
@@ -186,6 +214,11 @@ impl DivAssign for Q16 {
         *self = *self / o;
     }
 }
+impl From<Q16> for f64 {
+    fn from(x: Q16) -> Self {
+        f64::from(x.0) / 65_536.0
+    }
+}
 impl Zero for Q16 {
     fn zero() -> Self {
         Self(0)
@@ -235,7 +268,7 @@ impl Scalar for Q16 {
         Self::lit(f64::from(x))
     }
     fn to_f32(self) -> f32 {
-        (f64::from(self.0) / 65_536.0) as f32
+        f64::from(self) as f32
     }
     fn sqrt(self) -> Self {
         if self.0 <= 0 { Self(0) } else { Self(root(self.0 as u32) as i32) }

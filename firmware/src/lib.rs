@@ -35,6 +35,7 @@ pub mod param;
 pub mod scalar;
 pub mod sense;
 pub mod signal;
+pub mod single;
 pub mod supervisor;
 pub mod time;
 pub mod trajectory;

@@ -8,6 +8,7 @@
 #![forbid(unsafe_code)]
 
 pub mod angle_metrics;
+pub mod autopilot;
 pub mod beside;
 pub mod campaign;
 pub mod command;

@@ -1,5 +1,6 @@
 //! One millisecond at a time: plant → sensors → drivers → the firmware's step → ESCs.
 
+use crate::autopilot::Autopilot;
 use crate::outside::Outside;
 use crate::scenario::{FaultKind, Scenario, ScenarioError};
 use tautline_board::flight::protocol;
@@ -7,7 +8,7 @@ use tautline_firmware::link::Link;
 use tautline_firmware::param::Params;
 use tautline_firmware::sense::RawSensors;
 use tautline_firmware::time::Micros;
-use tautline_firmware::vehicle::{StepInput, StepOutput, Vehicle};
+use tautline_firmware::vehicle::{StepInput, StepOutput};
 use tautline_hal_shim::fake::FakeEsc;
 use tautline_hal_shim::motors::MotorOutputs;
 
@@ -18,7 +19,7 @@ pub struct World {
     pub outside: Outside,
     motors: MotorOutputs<FakeEsc>,
     /// The firmware.
-    pub vehicle: Vehicle,
+    pub vehicle: Autopilot,
     /// Its MAVLink connection.
     pub link: Link,
 }
@@ -37,7 +38,7 @@ impl World {
             Ok(motors) => motors,
             Err(never) => match never {},
         };
-        let vehicle = Vehicle::new(params, outside.sensors.scale());
+        let vehicle = Autopilot::new(scenario.scalar, params, outside.sensors.scale());
         outside.begin();
         Ok(Self { outside, motors, vehicle, link: Link::new() })
     }

@@ -26,7 +26,7 @@ pub fn check_mahony<S: Scalar + Into<f64>>(file: &Value, bound: f64) {
     let mut check = Check::new(bound);
     for (name, c) in cases(file, "mahony") {
         let filter = Mahony::<S> { kp: s(c, "kp"), ki: s(c, "ki") };
-        let mut state = MahonyState { attitude: rotation(c, "R"), gyro_bias: Body(vec3(c, "b")) };
+        let mut state = MahonyState::new(rotation(c, "R"), Body(vec3(c, "b")));
         filter.step(&mut state, &Body(vec3(c, "gyro")), &Body(vec3(c, "acc")), s(c, "dt")).unwrap();
         check.all(&name, row_major(&state.attitude.0), list(c, "Rout"));
         check.all(&name, state.gyro_bias.0.iter().copied(), list(c, "bout"));
@@ -96,7 +96,7 @@ pub fn check_outer<S: Scalar + Into<f64>>(file: &Value, bound: f64) {
     let mut check = Check::new(bound);
     for (name, c) in cases(file, "outer") {
         let is_winch = num(c, "mode") > 0.5;
-        let mut state = PositionState { integral: World(vec3(c, "I")) };
+        let mut state = PositionState { integral: World(vec3(c, "I")), ..PositionState::default() };
         let input = PositionInput {
             position: World(vec3(c, "p")),
             velocity: World(vec3(c, "v")),

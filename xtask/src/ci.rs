@@ -102,6 +102,7 @@ fn experiments() -> Outcome {
         ("taut-flight", 4),
         ("angle-flight", 4),
         ("thrust-flight", 2),
+        ("fixed-point", 1),
         ("pendulum-sweeps", 1),
         ("pendulum-flight", 2),
     ] {

@@ -5,6 +5,7 @@
 //! fixed length. `fullstate` section 11.
 
 use crate::frames::{V3, World};
+use crate::math::remainder::{FINE, Remainder};
 use crate::math::{GRAVITY, so3};
 use crate::param::Params;
 use crate::scalar::Scalar;
@@ -62,11 +63,13 @@ pub enum Link {
 pub struct PositionState<S: Scalar> {
     /// World axes.
     pub integral: World<V3<S>>,
+    /// Of the integral.
+    pub rest: Remainder<S>,
 }
 
 impl<S: Scalar> Default for PositionState<S> {
     fn default() -> Self {
-        Self { integral: World(V3::zeros()) }
+        Self { integral: World(V3::zeros()), rest: Remainder::default() }
     }
 }
 
@@ -156,7 +159,7 @@ impl<S: Scalar> PositionLoop<S> {
         let speed_error = so3::reject(&z.reference_velocity.0, &u) - tangential;
         let mut integral = state.integral.0;
         if !z.hold_integral {
-            integral += error * (self.ki * dt);
+            integral += state.rest.take(error * (self.ki * dt * S::lit(FINE)));
         }
         integral = so3::limit_norm(so3::reject(&integral, &u), self.integral_max);
         state.integral = World(integral);
@@ -192,7 +195,7 @@ impl<S: Scalar> PositionLoop<S> {
         let error = z.direction.0 * z.length - z.position.0;
         let mut integral = state.integral.0;
         if !z.hold_integral {
-            integral += error * (self.ki * dt);
+            integral += state.rest.take(error * (self.ki * dt * S::lit(FINE)));
         }
         integral = so3::limit_norm(integral, self.integral_max);
         state.integral = World(integral);

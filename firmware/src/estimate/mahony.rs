@@ -2,6 +2,7 @@
 
 use super::Fault;
 use crate::frames::{Attitude, Body, V3};
+use crate::math::remainder::{FINE, Remainder};
 use crate::math::{GRAVITY, so3};
 use crate::scalar::Scalar;
 
@@ -21,6 +22,16 @@ pub struct MahonyState<S: Scalar> {
     pub attitude: Attitude<S>,
     /// rad/s.
     pub gyro_bias: Body<V3<S>>,
+    /// Of the attitude's turn, rad, and of the bias, rad/s.
+    rest: [Remainder<S>; 2],
+}
+
+impl<S: Scalar> MahonyState<S> {
+    /// From body to world, and rad/s.
+    #[must_use]
+    pub fn new(attitude: Attitude<S>, gyro_bias: Body<V3<S>>) -> Self {
+        Self { attitude, gyro_bias, rest: Default::default() }
+    }
 }
 
 impl<S: Scalar> Mahony<S> {
@@ -47,10 +58,13 @@ impl<S: Scalar> Mahony<S> {
             }
             _ => V3::zeros(),
         };
-        let bias = state.gyro_bias.0 - e * (self.ki * dt);
-        let turn = (gyro.0 - bias + e * self.kp) * dt;
+        let mut rest = state.rest;
+        let [turned, learnt] = &mut rest;
+        let fine = dt * S::lit(FINE);
+        let bias = state.gyro_bias.0 - learnt.take(e * (self.ki * fine));
+        let turn = turned.take((gyro.0 - bias + e * self.kp) * fine);
         let attitude = so3::orthonormal(&(r * so3::exp(&turn))).ok_or(Fault::Degenerate)?;
-        *state = MahonyState { attitude: Attitude(attitude), gyro_bias: Body(bias) };
+        *state = MahonyState { attitude: Attitude(attitude), gyro_bias: Body(bias), rest };
         Ok(())
     }
 }

@@ -2,6 +2,7 @@
 
 use super::MahonyState;
 use crate::frames::{Attitude, Body, V3};
+use crate::math::remainder::{FINE, Remainder};
 use crate::scalar::Scalar;
 use crate::signal::Imu;
 
@@ -26,11 +27,14 @@ pub struct LevelState<S: Scalar> {
     recent: V3<S>,
     gyro: V3<S>,
     accel: V3<S>,
+    /// Of both.
+    rest: [Remainder<S>; 2],
 }
 
 impl<S: Scalar> Default for LevelState<S> {
     fn default() -> Self {
-        Self { count: 0, recent: V3::zeros(), gyro: V3::zeros(), accel: V3::zeros() }
+        let o = V3::zeros();
+        Self { count: 0, recent: o, gyro: o, accel: o, rest: Default::default() }
     }
 }
 
@@ -50,17 +54,15 @@ impl<S: Scalar> Leveller<S> {
         }
         state.count += 1;
         // A running mean keeps fixed point within its range.
-        let k = S::one() / S::from_f32(state.count as f32);
-        state.gyro += (imu.gyro.0 - state.gyro) * k;
-        state.accel += (imu.accel.0 - state.accel) * k;
+        let k = S::lit(FINE) / S::from_f32(state.count as f32);
+        let [gyro, accel] = &mut state.rest;
+        state.gyro += gyro.take((imu.gyro.0 - state.gyro) * k);
+        state.accel += accel.take((imu.accel.0 - state.accel) * k);
         (state.count >= self.samples).then(|| {
             let f = &state.accel;
             let roll = (-f.y).atan2(-f.z);
             let pitch = f.x.atan2((f.y * f.y + f.z * f.z).sqrt());
-            MahonyState {
-                attitude: Attitude::from_euler(roll, pitch, self.heading),
-                gyro_bias: Body(state.gyro),
-            }
+            MahonyState::new(Attitude::from_euler(roll, pitch, self.heading), Body(state.gyro))
         })
     }
 }

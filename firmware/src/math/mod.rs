@@ -4,6 +4,7 @@ pub mod filter;
 pub mod history;
 pub mod kalman;
 mod poles;
+pub mod remainder;
 pub mod root;
 pub mod so3;
 

@@ -2,6 +2,7 @@
 
 use super::Failure;
 use super::status::StatusLine;
+use crate::autopilot::{Arithmetic, Autopilot};
 use crate::flight::Flight;
 use crate::params_file;
 use crate::pilot::Progress;
@@ -14,6 +15,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
+use tautline_firmware::fixed::saturation;
 use tautline_firmware::param::Params;
 
 /// Network and pace are looked at every so many simulated milliseconds.
@@ -46,6 +48,9 @@ pub struct Options {
     /// What is simulated
     #[arg(long, value_name = "FILE.toml")]
     scenario: Option<PathBuf>,
+    /// What the firmware computes with, if not what the scenario says
+    #[arg(long, value_name = "TYPE")]
+    scalar: Option<Arithmetic>,
     /// Everything random follows from it
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
@@ -184,6 +189,7 @@ pub fn run(options: &Options) -> Result<(), Failure> {
         Some(path) => Scenario::load(path).map_err(|e| Failure::Usage(e.0))?,
         None => Scenario::default(),
     };
+    scenario.scalar = options.scalar.unwrap_or(scenario.scalar);
     if let Some(home) = &options.home {
         scenario.vehicle.heading = home.heading;
     }
@@ -293,6 +299,9 @@ fn finish(
     );
     if let Some(udp) = udp.filter(|udp| udp.send_errors > 0) {
         say!("{} datagrams could not be sent.", udp.send_errors);
+    }
+    if let Autopilot::Q16(_) = flight.world.vehicle {
+        say!("Fixed point: {} operations saturated.", saturation::count());
     }
     let progress = flight.pilot.progress().clone();
     let summary = flight.metrics.summary();

@@ -15,6 +15,7 @@ pub use sections::{
     TetherSection, VehicleSection, WindSection,
 };
 
+use crate::autopilot::Arithmetic;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -26,6 +27,8 @@ use tautline_firmware::param::{META, ParamError, Params};
 pub struct Scenario {
     /// One line for the start-up text.
     pub title: String,
+    /// What the firmware computes with.
+    pub scalar: Arithmetic,
     /// The vehicle.
     pub vehicle: VehicleSection,
     /// The tether and its ground end.

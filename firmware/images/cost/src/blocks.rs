@@ -33,7 +33,7 @@ pub fn common<S: Scalar>(meter: &mut Meter, scalar: &str) {
     sense::<S>(meter, scalar, &params);
 
     let mahony = Mahony { kp: l(0.2), ki: l(0.01) };
-    let mut state = MahonyState { attitude: Attitude::level(l(0.4)), gyro_bias: Body(V3::zeros()) };
+    let mut state = MahonyState::new(Attitude::level(l(0.4)), Body(V3::zeros()));
     let (gyro, accel) = (Body(v(0.3, -0.2, 0.1)), Body(v(0.5, -0.3, -9.7)));
     meter.measure("attitude filter", scalar, || {
         let _ = black_box(mahony.step(&mut state, black_box(&gyro), &accel, l(0.004)));

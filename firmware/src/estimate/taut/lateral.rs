@@ -20,6 +20,9 @@ const START: [f64; 4] = [1e-3, 1e-3, 1e-3, 1.2e-7];
 const ACCEL_VARIANCE: f64 = 0.25;
 const ACCEL_BANDWIDTH: f64 = 178.0;
 const MODEL_VARIANCE: f64 = 0.02;
+/// All variances are kept this many times as large, or fixed point had no bits for them. A power of two: floats
+/// compute the same to the last bit.
+const SCALE: f64 = 16_384.0;
 /// Shortest horizontal distance from the anchor's vertical, m.
 const REACH_MIN: f64 = 0.3;
 
@@ -32,8 +35,8 @@ pub struct LateralFilter<S> {
 /// What moves.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LateralState<S: Scalar> {
-    x: Vector4<S>,
-    covariance: Matrix4<S>,
+    pub(crate) x: Vector4<S>,
+    pub(crate) covariance: Matrix4<S>,
 }
 
 /// What one step reads.
@@ -59,13 +62,13 @@ impl<S: Scalar> LateralFilter<S> {
     pub fn new(p: &Params) -> Self {
         let scale = f64::from(p.taut_lateral_noise);
         let white = scale * scale * ACCEL_VARIANCE / (ACCEL_BANDWIDTH * OUTER_DT);
-        Self { variance: S::lit(white + MODEL_VARIANCE) }
+        Self { variance: S::lit(SCALE * (white + MODEL_VARIANCE)) }
     }
 
     /// From azimuth minus heading and roll, rad.
     #[must_use]
     pub fn start(&self, azimuth: S, roll: S) -> LateralState<S> {
-        let [a, b, r, bias] = START.map(S::lit);
+        let [a, b, r, bias] = START.map(|p| S::lit(SCALE * p));
         LateralState {
             x: Vector4::new(azimuth, S::zero(), roll, S::zero()),
             covariance: Matrix4::from_diagonal(&Vector4::new(a, b, r, bias)),
@@ -113,7 +116,7 @@ impl<S: Scalar> LateralFilter<S> {
             o,
             one,
         );
-        let [qa, qb, qr, q_bias] = PROCESS.map(|q| S::lit(q) * dt);
+        let [qa, qb, qr, q_bias] = PROCESS.map(|q| S::lit(SCALE * q * OUTER_DT));
         let mut covariance = transition * state.covariance * transition.transpose()
             + Matrix4::from_diagonal(&Vector4::new(qa, qb, qr, q_bias));
         let row = Vector4::new(-input.force * cos_phi, o, input.force * sin_z, o);

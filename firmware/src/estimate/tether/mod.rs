@@ -390,10 +390,7 @@ impl<S: Scalar> TetherEstimator<S> {
     /// What is known now.
     #[must_use]
     pub fn estimate(&self, state: &TetherEstimatorState<S>) -> Estimate<S> {
-        let level = MahonyState {
-            attitude: Attitude::level(self.leveller.heading),
-            gyro_bias: Body(V3::zeros()),
-        };
+        let level = MahonyState::new(Attitude::level(self.leveller.heading), Body(V3::zeros()));
         let attitude = state.attitude.unwrap_or(level);
         let has_diverged = state.failed_steps > self.divergence_steps;
         let known = state.attitude.is_some() && !has_diverged;

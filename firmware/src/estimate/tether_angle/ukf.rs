@@ -5,6 +5,7 @@ use crate::fault::{Invalid, positive};
 use crate::frames::{M3, V3};
 use crate::model::{TetherAngle, TetherAngleModel, TiltImu};
 use crate::scalar::Scalar;
+use crate::single::Single;
 use nalgebra::{Matrix2, Vector2};
 
 /// Standard deviations after initialisation: 10° and 0.3 rad/s.
@@ -16,6 +17,11 @@ const COS_FLOOR: f64 = 0.2;
 const JITTER: f64 = 1e-15;
 /// Points of a three-state filter without a central one.
 const POINTS: usize = 6;
+
+/// Deviations are kept so many times as large: in fixed point their squares had no bits otherwise.
+fn fine<S: Scalar>() -> S {
+    S::lit(if S::IS_FLOATING { 1.0 } else { 64.0 })
+}
 
 /// Noise, period and limits.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -70,8 +76,16 @@ pub enum TetherAngleMode {
 pub struct Belief<S: Scalar> {
     /// rad, rad/s, rad.
     pub x: TetherAngle<S>,
-    /// Symmetric.
+    /// Symmetric; in fixed point 64² times as large.
     pub covariance: M3<S>,
+}
+
+impl<S: Scalar> Single for Belief<S> {
+    type Single = Belief<f32>;
+    fn single(&self) -> Belief<f32> {
+        let fine = fine::<S>().to_f32();
+        Belief { x: self.x.single(), covariance: self.covariance.single() / (fine * fine) }
+    }
 }
 
 /// A correction with what it was made of.
@@ -92,9 +106,9 @@ pub struct TetherAngleState<S: Scalar> {
     pub belief: Belief<S>,
     /// What was done with the last sample.
     pub mode: TetherAngleMode,
-    is_running: bool,
-    slack: S,
-    prior: S,
+    pub(crate) is_running: bool,
+    pub(crate) slack: S,
+    pub(crate) prior: S,
 }
 
 impl<S: Scalar> TetherAngleState<S> {
@@ -122,7 +136,7 @@ impl<S: Scalar> TetherAngleState<S> {
     /// Started at a known state with these standard deviations of angle, rate and tilt.
     #[must_use]
     pub fn known(x: TetherAngle<S>, deviations: [S; 3]) -> Self {
-        let [angle, rate, tilt] = deviations.map(|d| d * d);
+        let [angle, rate, tilt] = deviations.map(|d| d * fine::<S>()).map(|d| d * d);
         Self {
             belief: Belief { x, covariance: M3::from_diagonal(&V3::new(angle, rate, tilt)) },
             mode: TetherAngleMode::Started,
@@ -164,7 +178,8 @@ fn root<S: Scalar>(p: &M3<S>) -> [V3<S>; 3] {
 /// x ± sqrt(3) times each column of the root of P.
 fn points<S: Scalar>(belief: &Belief<S>) -> [V3<S>; POINTS] {
     let x = vector(&belief.x);
-    let [a, b, c] = root(&belief.covariance).map(|column| column * S::lit(SQRT_3));
+    let coarse = S::lit(SQRT_3) / fine();
+    let [a, b, c] = root(&belief.covariance).map(|column| column * coarse);
     [x + a, x - a, x + b, x - b, x + c, x - c]
 }
 
@@ -192,10 +207,10 @@ impl<S: Scalar> TetherAngleUkf<S> {
         let share = S::lit(1.0 / POINTS as f64);
         let ahead = points(belief).map(|p| vector(&model.advance(&state(&p), tilt_rate, self.dt)));
         let mean = ahead.iter().fold(V3::zeros(), |sum, p| sum + p) * share;
-        let noise = self.noise_gain(model, &belief.x) * self.sigma;
+        let noise = self.noise_gain(model, &belief.x) * (self.sigma * fine());
         let mut covariance = noise * noise.transpose();
         for p in &ahead {
-            let d = p - mean;
+            let d = (p - mean) * fine::<S>();
             covariance += (d * share) * d.transpose();
         }
         Belief { x: state(&mean), covariance }
@@ -222,7 +237,7 @@ impl<S: Scalar> TetherAngleUkf<S> {
         let x = vector(&belief.x);
         let (mut cross_x, mut cross_z) = (V3::zeros(), V3::zeros());
         for (p, z) in points.iter().zip(&expected) {
-            let (dx, dz) = ((p - x) * share, z - mean);
+            let (dx, dz) = ((p - x) * (share * fine()), z - mean);
             s += (dz * share) * dz.transpose();
             cross_x += dx * dz.x;
             cross_z += dx * dz.y;
@@ -232,7 +247,7 @@ impl<S: Scalar> TetherAngleUkf<S> {
         let k_z = (cross_z * s.m11 - cross_x * s.m12) / determinant;
         let [ax, az] = force;
         let innovation = Vector2::new(ax, az) - mean;
-        let moved = x + k_x * innovation.x + k_z * innovation.y;
+        let moved = x + (k_x * innovation.x + k_z * innovation.y) / fine::<S>();
         // K S Kᵀ = C Kᵀ; half of it and of its transpose, so that the result stays symmetric.
         let shrink = cross_x * k_x.transpose() + cross_z * k_z.transpose();
         let covariance = belief.covariance - (shrink + shrink.transpose()) * S::lit(0.5);

@@ -1,0 +1,73 @@
+//! The firmware in the scalar of one's choice, told of in single precision.
+
+use serde::{Deserialize, Serialize};
+use tautline_firmware::fixed::Q16;
+use tautline_firmware::param::Params;
+use tautline_firmware::sense::ImuScale;
+use tautline_firmware::single::Single;
+use tautline_firmware::vehicle::{StepInput, StepOutput, Vehicle};
+
+/// What the firmware computes with.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, clap::ValueEnum)]
+#[serde(rename_all = "lowercase")]
+pub enum Arithmetic {
+    /// Single precision, as the boards with an FPU fly.
+    #[default]
+    F32,
+    /// Double precision.
+    F64,
+    /// Fixed point of 16 and 16 bits, saturating, as a board without an FPU would fly.
+    Q16,
+}
+
+/// The vehicle's firmware.
+#[derive(Clone, Debug)]
+pub enum Autopilot {
+    /// In single precision.
+    F32(Box<Vehicle<f32>>),
+    /// In double precision.
+    F64(Box<Vehicle<f64>>),
+    /// In fixed point.
+    Q16(Box<Vehicle<Q16>>),
+}
+
+impl Autopilot {
+    /// On the ground, disarmed.
+    #[must_use]
+    pub fn new(arithmetic: Arithmetic, params: Params, scale: ImuScale) -> Self {
+        match arithmetic {
+            Arithmetic::F32 => Self::F32(Box::new(Vehicle::new(params, scale))),
+            Arithmetic::F64 => Self::F64(Box::new(Vehicle::new(params, scale))),
+            Arithmetic::Q16 => Self::Q16(Box::new(Vehicle::new(params, scale))),
+        }
+    }
+
+    /// One millisecond.
+    pub fn step(&mut self, input: &StepInput) -> StepOutput {
+        match self {
+            Self::F32(vehicle) => vehicle.step(input),
+            Self::F64(vehicle) => vehicle.step(input).single(),
+            Self::Q16(vehicle) => vehicle.step(input).single(),
+        }
+    }
+
+    /// Its parameters.
+    #[must_use]
+    pub fn params(&self) -> &Params {
+        match self {
+            Self::F32(vehicle) => vehicle.params(),
+            Self::F64(vehicle) => vehicle.params(),
+            Self::Q16(vehicle) => vehicle.params(),
+        }
+    }
+
+    /// Pull asked of the winch, N.
+    #[must_use]
+    pub fn winch_tension(&self) -> f32 {
+        match self {
+            Self::F32(vehicle) => vehicle.winch_tension(),
+            Self::F64(vehicle) => vehicle.winch_tension().single(),
+            Self::Q16(vehicle) => vehicle.winch_tension().single(),
+        }
+    }
+}
