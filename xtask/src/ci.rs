@@ -22,6 +22,7 @@ pub fn everything() -> Outcome {
     nopanic()?;
     run_with("cargo", &["doc", "--no-deps", "--locked"], &DENY_WARNINGS)?;
     images::size(false)?;
+    images::walk()?;
     images::emulate(&[])?;
     cost::check()?;
     fly_clients(&python)?;

@@ -1,5 +1,6 @@
 //! The flight images: building, sizes, flashing, flights under emulation.
 
+use crate::reach::Code;
 use crate::{Outcome, install, root, run, run_with};
 use object::{Object, ObjectSection, SectionFlags};
 use std::path::PathBuf;
@@ -13,6 +14,8 @@ pub struct Image {
     /// Its feature; the package's default is the reference board.
     feature: &'static str,
     target: &'static str,
+    /// Vector of the flight task.
+    flight: &'static str,
     /// Chip for probe-rs.
     chip: &'static str,
     /// Flash, bytes.
@@ -32,6 +35,7 @@ pub const IMAGES: [Image; 4] = [
         package: "tautline-f405",
         feature: "speedybee-f405-v4",
         target: M4F,
+        flight: "CAN1_SCE",
         chip: "STM32F405RG",
         flash: 256 * KIB,
         ram: 64 * KIB,
@@ -41,6 +45,7 @@ pub const IMAGES: [Image; 4] = [
         package: "tautline-f405",
         feature: "matek-f405-te",
         target: M4F,
+        flight: "CAN1_SCE",
         chip: "STM32F405RG",
         flash: 256 * KIB,
         ram: 64 * KIB,
@@ -50,6 +55,7 @@ pub const IMAGES: [Image; 4] = [
         package: "tautline-h743",
         feature: "matek-h743-slim-v3",
         target: M4F,
+        flight: "FDCAN1_IT0",
         chip: "STM32H743VI",
         flash: 320 * KIB,
         ram: 96 * KIB,
@@ -59,6 +65,7 @@ pub const IMAGES: [Image; 4] = [
         package: "tautline-f405",
         feature: "emulated",
         target: M4F,
+        flight: "CAN1_SCE",
         chip: "",
         flash: 256 * KIB,
         ram: 64 * KIB,
@@ -178,6 +185,28 @@ pub fn size(json: bool) -> Outcome {
         println!("[{}]", rows.join(","));
     }
     if passed.is_empty() { Ok(()) } else { Err(format!("over the limit: {}", passed.join(", "))) }
+}
+
+/// No panic may be in reach of a built image's flight task. The emulated board's back end is no part of a flight.
+pub fn walk() -> Outcome {
+    for image in IMAGES.iter().filter(|image| !image.chip.is_empty()) {
+        let code = Code::read(&image.path())?;
+        // A walk that misses the panics of the start-up code would miss any.
+        if code.from("Reset")?.panic.is_none() {
+            return Err(format!("{}: no panic found from Reset: the walk is blind", image.name));
+        }
+        let reached = code.from(image.flight)?;
+        if let Some(way) = reached.panic {
+            return Err(format!("{}: the flight task may panic: {}", image.name, way.join(" > ")));
+        }
+        println!(
+            "{}: no panic is reachable from the flight task, {} functions; called through registers: {}",
+            image.name,
+            reached.count,
+            reached.indirect.join(", ")
+        );
+    }
+    Ok(())
 }
 
 /// Writes an image to a board by probe-rs, which must be there.

@@ -5,6 +5,7 @@ mod cost;
 mod images;
 mod install;
 mod params;
+mod reach;
 
 use std::process::{Command, ExitCode};
 
@@ -15,7 +16,7 @@ const USAGE: &str = "usage: cargo xtask TASK
 
   ci             install what is missing, then check everything (what .ci/run runs)
   params         write docs/parameters.md from the parameter table; --check only compares
-  nopanic        link Vehicle::step with a panic handler that does not exist
+  nopanic        link Vehicle::step with a panic handler that does not exist; walk the images' flight tasks
   clients        the pymavlink and pyulog flights alone
   size           build all images, print flash and static RAM against their limits; --json
   cost           count instructions per call on emulated cores, write docs/cost.md; --check only compares; --json
@@ -30,7 +31,9 @@ fn main() -> ExitCode {
         ["ci"] => ci::everything(),
         ["params"] => params::write(),
         ["params", "--check"] => params::check(),
-        ["nopanic"] => ci::nopanic(),
+        ["nopanic"] => {
+            ci::nopanic().and_then(|()| images::size(false)).and_then(|()| images::walk())
+        }
         ["clients"] => ci::clients(),
         ["size"] => images::size(false),
         ["size", "--json"] => images::size(true),

@@ -15,14 +15,17 @@ const LONGEST: f64 = 400.0;
 /// Fixed point may be so many times as bad.
 const RATIO: f64 = 2.0;
 
-/// A flight and what of it is compared, with its unit and scale.
+/// A flight and what of it is compared.
 struct Row {
     name: &'static str,
     text: &'static str,
-    figures: &'static [(&'static str, fn(&Summary) -> Option<f64>)],
+    figures: &'static [Figure],
 }
 
-const HOLD: [(&str, fn(&Summary) -> Option<f64>); 2] =
+/// Its name with its unit, and where it is.
+type Figure = (&'static str, fn(&Summary) -> Option<f64>);
+
+const HOLD: [Figure; 2] =
     [("horizontal, m", |s| s.hold_horizontal_rms_m), ("vertical, m", |s| s.hold_vertical_rms_m)];
 
 const ROWS: [Row; 5] = [

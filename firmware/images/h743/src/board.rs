@@ -11,7 +11,7 @@ use crate::serial::{self, Rx, Tx};
 use crate::time::{self, Delay};
 use crate::{clock, usb};
 use core::mem::MaybeUninit;
-use core::sync::atomic::{AtomicBool, Ordering};
+use core::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use embassy_stm32::Peri;
 use embassy_stm32::flash::Flash;
 use embassy_stm32::gpio::{Level, Output, Speed};
@@ -25,7 +25,7 @@ use embassy_stm32::spi::{self, Spi};
 use embassy_stm32::time::Hertz;
 use embassy_stm32::usart::Uart;
 use embassy_stm32::{bind_interrupts, interrupt};
-use embedded_hal_bus::spi::{ExclusiveDevice, NoDelay};
+use embedded_hal_bus::spi::ExclusiveDevice;
 use heapless::String;
 use heapless::spsc::Queue;
 use synopsys_usb_otg::UsbBus;
@@ -51,9 +51,9 @@ bind_interrupts!(struct Bound {
     SDMMC1 => sdmmc::InterruptHandler<peripherals::SDMMC1>;
 });
 
-/// The inertial sensor's bus.
+/// The inertial sensor's bus. Without a delay of its own it would panic when asked for one.
 pub type ImuBus =
-    ExclusiveDevice<Spi<'static, Blocking, spi::mode::Master>, Output<'static>, NoDelay>;
+    ExclusiveDevice<Spi<'static, Blocking, spi::mode::Master>, Output<'static>, Delay>;
 /// Barometer, rangefinder and battery on their buses.
 pub type Devices = SlowDevices<I2c<'static, Blocking, i2c::Master>, Inward, VoltagePin, CurrentPin>;
 /// Where the log goes.
@@ -66,6 +66,8 @@ pub type Listener = Ear<Rx>;
 pub type Usb = port::Usb<UsbBus<usb::Usb>>;
 
 static READY: AtomicBool = AtomicBool::new(false);
+/// Outputs that found no room.
+static LOST: AtomicU32 = AtomicU32::new(0);
 
 /// What lives for ever.
 pub struct Memory {
@@ -128,7 +130,7 @@ pub fn start(mut core: cortex_m::Peripherals, memory: &'static mut Memory) -> Bo
     config.mode = spi::MODE_0;
     let bus = Spi::new_blocking(p.SPI1, p.PA5, p.PD7, p.PA6, config);
     let select = Output::new(p.PC15, Level::High, Speed::VeryHigh);
-    let imu = match ExclusiveDevice::new_no_delay(bus, select) {
+    let imu = match ExclusiveDevice::new(bus, select, Delay) {
         Ok(device) => device,
         Err(never) => match never {},
     };
@@ -256,7 +258,8 @@ impl tasks::Pace for Pace {
         time::feed();
     }
     fn lost(&mut self) {
-        defmt::warn!("an output found no room");
+        // Not told here: the logger may panic.
+        LOST.store(LOST.load(Ordering::Relaxed).wrapping_add(1), Ordering::Relaxed);
     }
 }
 
@@ -265,7 +268,13 @@ pub struct Background(CardWriter<SdCard>);
 
 impl Background {
     pub fn run(&mut self) -> ! {
+        let mut told = 0;
         loop {
+            let lost = LOST.load(Ordering::Relaxed);
+            if lost != told {
+                defmt::warn!("{} outputs found no room", lost.wrapping_sub(told));
+                told = lost;
+            }
             match self.0.serve() {
                 Some(Told::Began(number)) => defmt::info!("log {}", number),
                 Some(Told::NoCard) => defmt::warn!("no card, no log"),

@@ -4,7 +4,9 @@ use core::convert::Infallible;
 use core::sync::atomic::{AtomicU32, Ordering};
 use embassy_stm32::Peri;
 use embassy_stm32::gpio::OutputType;
+use embassy_stm32::pac::common::{RW, Reg};
 use embassy_stm32::pac::timer::TimGp16;
+use embassy_stm32::pac::timer::regs::Ccr1ch;
 use embassy_stm32::pac::{TIM3, TIM5};
 use embassy_stm32::peripherals::{self, PA0, PA1, PB0, PB1};
 use embassy_stm32::rcc::frequency;
@@ -20,25 +22,12 @@ use tautline_hal_shim::motors::MotorOutputs;
 const COUNT_HZ: u32 = 20_000_000;
 /// The stop pulse as a share of the period, of 65536.
 static STOP: AtomicU32 = AtomicU32::new(0);
-/// Timer and channel, from 0, of each motor.
-const OUTPUTS: [(Timer, usize); 4] =
-    [(Timer::Front, 2), (Timer::Front, 3), (Timer::Rear, 0), (Timer::Rear, 1)];
+const OUTPUTS: [Motor; 4] = [Motor::First, Motor::Second, Motor::Third, Motor::Fourth];
 
-#[derive(Clone, Copy)]
-enum Timer {
-    Front,
-    Rear,
-}
-
-impl Timer {
-    /// TIM5 counts to 32 bits; used as one of 16 it has the same registers.
-    fn registers(self) -> TimGp16 {
-        match self {
-            Self::Front => TIM3,
-            // SAFETY: a general-purpose timer, whose registers these are.
-            Self::Rear => unsafe { TimGp16::from_ptr(TIM5.as_ptr()) },
-        }
-    }
+/// TIM5 counts to 32 bits; used as one of 16 it has the same registers.
+fn back() -> TimGp16 {
+    // SAFETY: a general-purpose timer, whose registers these are.
+    unsafe { TimGp16::from_ptr(TIM5.as_ptr()) }
 }
 
 /// The timers before anybody knows the ESCs' protocol.
@@ -62,11 +51,9 @@ impl Motors {
         let front = SimplePwm::new(self.front, None, None, m1, m2, rate, mode);
         let rear = SimplePwm::new(self.rear, m3, m4, None, None, rate, mode);
         let (front, rear) = (front.split(), rear.split());
-        for (timer, bus) in [
-            (Timer::Front, frequency::<peripherals::TIM3>()),
-            (Timer::Rear, frequency::<peripherals::TIM5>()),
-        ] {
-            let registers = timer.registers();
+        for (registers, bus) in
+            [(TIM3, frequency::<peripherals::TIM3>()), (back(), frequency::<peripherals::TIM5>())]
+        {
             registers.psc().write_value((bus.0 / COUNT_HZ).saturating_sub(1) as u16);
             registers.arr().write(|w| w.set_arr((COUNT_HZ / rate.0 - 1) as u16));
         }
@@ -76,10 +63,7 @@ impl Motors {
         m2.enable();
         m3.enable();
         m4.enable();
-        match MotorOutputs::try_new(
-            OUTPUTS.map(|(timer, channel)| Motor { timer, channel }),
-            protocol,
-        ) {
+        match MotorOutputs::try_new(OUTPUTS, protocol) {
             Ok(outputs) => outputs,
             Err(never) => match never {},
         }
@@ -88,19 +72,38 @@ impl Motors {
 
 /// The stop pulse on every motor, at once and from any context.
 pub fn stop() {
-    for (timer, channel) in OUTPUTS {
-        let registers = timer.registers();
-        let period = u32::from(registers.arr().read().arr()) + 1;
-        let pulse = (period * STOP.load(Ordering::Relaxed)) >> 16;
-        registers.ccr(channel).write(|w| w.set_ccr(pulse as u16));
-        registers.egr().write(|w| w.set_ug(true));
+    for mut motor in OUTPUTS {
+        let pulse = (u32::from(motor.max_duty_cycle()) * STOP.load(Ordering::Relaxed)) >> 16;
+        let Ok(()) = motor.set_duty_cycle(pulse as u16);
+        motor.timer().egr().write(|w| w.set_ug(true));
     }
 }
 
 /// One output.
-pub struct Motor {
-    timer: Timer,
-    channel: usize,
+pub enum Motor {
+    First,
+    Second,
+    Third,
+    Fourth,
+}
+
+impl Motor {
+    fn timer(&self) -> TimGp16 {
+        match self {
+            Self::First | Self::Second => TIM3,
+            Self::Third | Self::Fourth => back(),
+        }
+    }
+
+    /// Constants, or looking up the channel could panic.
+    fn pulse(&self) -> Reg<Ccr1ch, RW> {
+        match self {
+            Self::First => TIM3.ccr(2),
+            Self::Second => TIM3.ccr(3),
+            Self::Third => back().ccr(0),
+            Self::Fourth => back().ccr(1),
+        }
+    }
 }
 
 impl ErrorType for Motor {
@@ -109,10 +112,10 @@ impl ErrorType for Motor {
 
 impl SetDutyCycle for Motor {
     fn max_duty_cycle(&self) -> u16 {
-        self.timer.registers().arr().read().arr().saturating_add(1)
+        self.timer().arr().read().arr().saturating_add(1)
     }
     fn set_duty_cycle(&mut self, duty: u16) -> Result<(), Infallible> {
-        self.timer.registers().ccr(self.channel).write(|w| w.set_ccr(duty));
+        self.pulse().write(|w| w.set_ccr(duty));
         Ok(())
     }
 }

@@ -16,7 +16,7 @@ pub use time::{Delay, delay, now, pulse};
 use crate::telemetry;
 use core::cell::RefCell;
 use core::mem::MaybeUninit;
-use core::sync::atomic::{AtomicBool, Ordering};
+use core::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use critical_section::Mutex;
 use embedded_sdmmc::SdCard;
 use heapless::String;
@@ -51,6 +51,8 @@ pub type Listener = Option<range::Listener>;
 
 static BATTERY: BatteryCell = Mutex::new(RefCell::new(None));
 static READY: AtomicBool = AtomicBool::new(false);
+/// Outputs that found no room.
+static LOST: AtomicU32 = AtomicU32::new(0);
 
 /// What lives for ever.
 pub struct Memory {
@@ -182,7 +184,8 @@ impl tasks::Pace for Pace {
         time::feed();
     }
     fn lost(&mut self) {
-        defmt::warn!("an output found no room");
+        // Not told here: the logger may panic.
+        LOST.store(LOST.load(Ordering::Relaxed).wrapping_add(1), Ordering::Relaxed);
     }
 }
 
@@ -191,7 +194,13 @@ pub struct Background(CardWriter<SdCard<wiring::Device<pins::CardSpi>, Delay>>);
 
 impl Background {
     pub fn run(&mut self) -> ! {
+        let mut told = 0;
         loop {
+            let lost = LOST.load(Ordering::Relaxed);
+            if lost != told {
+                defmt::warn!("{} outputs found no room", lost.wrapping_sub(told));
+                told = lost;
+            }
             match self.0.serve() {
                 Some(Told::Began(number)) => {
                     pins::card_fast();

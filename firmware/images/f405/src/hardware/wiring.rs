@@ -1,8 +1,8 @@
 //! What every F405 board has, whatever its pins.
 
-use super::pins;
+use super::{Delay, pins};
 use core::convert::Infallible;
-use embedded_hal_bus::spi::{ExclusiveDevice, NoDelay};
+use embedded_hal_bus::spi::ExclusiveDevice;
 use stm32f4xx_hal::adc::{Adc, config::SampleTime};
 use stm32f4xx_hal::gpio::{AnyPin, Output, PA9, PA10, PA11, PA12, PC7};
 use stm32f4xx_hal::i2c::I2c;
@@ -23,8 +23,8 @@ pub mod fast {
     pub const I2C_HZ: u32 = 400_000;
 }
 
-/// A device alone on its bus.
-pub type Device<BUS> = ExclusiveDevice<BUS, AnyPin<Output>, NoDelay>;
+/// A device alone on its bus. Without a delay of its own it would panic when asked for one.
+pub type Device<BUS> = ExclusiveDevice<BUS, AnyPin<Output>, Delay>;
 
 /// High: not selected.
 pub fn chip_select(mut pin: AnyPin<Output>) -> AnyPin<Output> {
@@ -34,7 +34,7 @@ pub fn chip_select(mut pin: AnyPin<Output>) -> AnyPin<Output> {
 
 /// `bus` with its chip select.
 pub fn device<BUS>(bus: BUS, select: AnyPin<Output>) -> Device<BUS> {
-    match ExclusiveDevice::new_no_delay(bus, select) {
+    match ExclusiveDevice::new(bus, select, Delay) {
         Ok(device) => device,
         Err(never) => match never {},
     }
