@@ -22,7 +22,9 @@ ATTEMPTS = 5
 
 class GroundStation:
     def __init__(self, port, heartbeat_period=0.05):
-        self.link = mavutil.mavlink_connection(f"udpin:127.0.0.1:{port}", source_system=255, dialect="common")
+        """At a UDP port, or at an address as pymavlink writes them."""
+        address = f"udpin:127.0.0.1:{port}" if isinstance(port, int) else port
+        self.link = mavutil.mavlink_connection(address, source_system=255, dialect="common", retries=30)
         self.texts = []
         self.alive = True
         self.lock = threading.Lock()

@@ -54,6 +54,7 @@ pub fn clients() -> Outcome {
 }
 
 fn fly_clients(python: &str) -> Outcome {
+    images::build_emulated().map(drop)?;
     run("cargo", &["build", "--release", "--locked", "-p", "tautline-sitl"])?;
     run(python, &["-m", "pytest", "-q", "-s", "tests/clients"])
 }

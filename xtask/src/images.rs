@@ -229,11 +229,17 @@ pub fn flash(name: &str) -> Outcome {
 
 const BOARD_SCENARIO: &str = "sitl/scenarios/board.toml";
 
-/// Flies the emulated F405: a whole flight twice, a hard fault, a panic; extra arguments go to `sitl emulate`.
-pub fn emulate(more: &[&str]) -> Outcome {
+/// The image that QEMU runs, and QEMU.
+pub fn build_emulated() -> Result<&'static Image, String> {
     install::qemu()?;
     let image = Image::named("emulated-f405")?;
     image.build()?;
+    Ok(image)
+}
+
+/// Flies the emulated F405: a whole flight twice, a hard fault, a panic; extra arguments go to `sitl emulate`.
+pub fn emulate(more: &[&str]) -> Outcome {
+    let image = build_emulated()?;
     run("cargo", &["build", "--release", "--locked", "-p", "tautline-sitl"])?;
     let path = image.path().display().to_string();
     let fly = |scenario: &str, more: &[&str]| {

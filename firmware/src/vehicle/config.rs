@@ -41,7 +41,18 @@ pub(super) struct Config<S: Scalar> {
     pub tension_floor: S,
 }
 
+/// A divisor.
+fn believable<S: Scalar>(thrust_scale: f32) -> S {
+    S::from_f32(thrust_scale.max(0.5))
+}
+
 impl<S: Scalar> Config<S> {
+    /// What was learnt in flight: making everything anew takes as long as ten steps.
+    pub fn set_thrust_scale(&mut self, scale: f32) {
+        self.thrust_scale = believable(scale);
+        self.estimator.set_thrust_scale(self.thrust_scale);
+    }
+
     pub fn new(p: &Params, scale: ImuScale) -> Self {
         let f = S::from_f32;
         let kind = LinkKind::from_parameter(p.tether_kind);
@@ -78,7 +89,7 @@ impl<S: Scalar> Config<S> {
             slack_hover: SlackHoverPlan::new(p, kind == LinkKind::Cable),
             mass: f(p.mass),
             weight,
-            thrust_scale: f(p.thrust_scale.max(0.5)),
+            thrust_scale: believable(p.thrust_scale),
             tether_length: f(p.tether_length),
             tension_low: f(p.tension_low),
             tension_floor: f(p.tension_min + 1.0),

@@ -5,7 +5,6 @@
 //! The position filter starts afterwards: without tension it has nothing to hold on to.
 
 use super::Vehicle;
-use super::config::Config;
 use crate::estimate::{Calibrated, ThrustCalibration, ThrustCalibrationState};
 use crate::frames::{Body, V3, World};
 use crate::param::Params;
@@ -186,7 +185,7 @@ impl<S: Scalar> Vehicle<S> {
             Some(Calibrated::Ratio(ratio)) => {
                 self.params.thrust_scale =
                     (self.params.thrust_scale * ratio.to_f32()).clamp(0.5, 1.5);
-                self.config = Config::new(&self.params, self.scale);
+                self.config.set_thrust_scale(self.params.thrust_scale);
                 self.state.echo = Params::index_of(b"THR_SCALE");
                 events.push(Event::info("Thrust calibrated in slack hover"));
             }

@@ -21,8 +21,8 @@ use crate::supervisor::Mode;
 use crate::time::OUTER_DT;
 use crate::trajectory::Plan;
 
-/// Outer steps per control step: 50 Hz.
-const CONTROL_EVERY: u8 = 5;
+/// Outer steps per control step: one for each turn of the filters, 83 Hz.
+const CONTROL_EVERY: u8 = 3;
 /// From the thrust at entry to the mode's own, N/s, in units of the weight.
 const THRUST_RATE: f64 = 0.5;
 
@@ -111,7 +111,7 @@ impl<S: Scalar> Vehicle<S> {
             tilt_rates: [S::zero(); 2],
             thrust: thrust.min(mode.thrust_max),
             slack: S::zero(),
-            ticks: 0,
+            ticks: CONTROL_EVERY,
         });
         Ok(())
     }
@@ -124,7 +124,7 @@ impl<S: Scalar> Vehicle<S> {
         let dt = S::lit(OUTER_DT);
         let estimate = &self.state.estimate;
         let attitude = estimate.attitude;
-        mode.estimator.step(&mut flight.filter, &imu, estimate.thrust, &attitude);
+        let is_busy = mode.estimator.step(&mut flight.filter, &imu, estimate.thrust, &attitude);
         flight.estimate = mode.estimator.estimate(&flight.filter, &attitude);
         let state = &mut self.state;
         let (position, velocity) = state.plan.step(dt);
@@ -138,7 +138,10 @@ impl<S: Scalar> Vehicle<S> {
             events.push(Event::critical("Tether slack: descending"));
             return self.enter(Mode::Descent);
         }
-        if flight.ticks == 0 {
+        // The law has a step to itself: beside a filter it would be too much.
+        flight.ticks += 1;
+        if flight.ticks >= CONTROL_EVERY && !is_busy {
+            flight.ticks = 0;
             let [x, y] = plane_angles(&position);
             let ([plane_x, plane_y], [model_x, model_y]) =
                 (&flight.estimate.planes, &flight.estimate.models);
@@ -147,7 +150,6 @@ impl<S: Scalar> Vehicle<S> {
                 mode.control.step(model_y, y, &plane_y.belief.x).rate,
             ];
         }
-        flight.ticks = (flight.ticks + 1) % CONTROL_EVERY;
         let step = self.config.weight * S::lit(THRUST_RATE * OUTER_DT);
         flight.thrust += (mode.thrust - flight.thrust).limit_abs(step);
         let (.., yaw) = attitude.euler();

@@ -198,7 +198,9 @@ impl<'a> Host<'a> {
         if time >= self.plan.limit {
             return true;
         }
-        if *self.pilot.progress() == Progress::Flying {
+        // Without a mission somebody at the telemetry port flies, for as long as they like.
+        let is_flown_outside = self.plan.scenario.mission.is_empty();
+        if is_flown_outside || *self.pilot.progress() == Progress::Flying {
             return false;
         }
         time > *self.ended_at.get_or_insert(time) + EPILOGUE

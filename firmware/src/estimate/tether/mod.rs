@@ -387,6 +387,11 @@ impl<S: Scalar> TetherEstimator<S> {
         Body(state.rate)
     }
 
+    /// Acting over modelled thrust.
+    pub fn set_thrust_scale(&mut self, scale: S) {
+        self.thrust.scale = scale;
+    }
+
     /// What is known now.
     #[must_use]
     pub fn estimate(&self, state: &TetherEstimatorState<S>) -> Estimate<S> {

@@ -1,7 +1,7 @@
 //! The filters of both planes on a vehicle: from NED and FRD into the planes' axes and back, at their own
 //! rate. `inertial` section 8, `flight` section 6.
 
-use super::spatial::{TetherAngles, TetherAnglesState};
+use super::spatial::{PlaneReading, TetherAngles, TetherAnglesState};
 use super::ukf::{TetherAngleMode, TetherAngleState, TetherAngleUkf};
 use crate::fault::Invalid;
 use crate::frames::{Attitude, Body, V3, World};
@@ -40,6 +40,8 @@ pub struct TetherAngleEstimatorState<S: Scalar> {
     ticks: u8,
     /// A reading of this period was not finite.
     is_spoilt: bool,
+    /// The second plane's turn comes an outer step later: both at once would be too much for one.
+    waiting: Option<PlaneReading<S>>,
 }
 
 /// What is known.
@@ -118,18 +120,19 @@ impl<S: Scalar> TetherAngleEstimator<S> {
             gyro: V3::zeros(),
             ticks: 0,
             is_spoilt: false,
+            waiting: None,
         }
     }
 
     /// One outer step. `imu` averaged over it, bias removed; `thrust` acting, N; `attitude` for its heading.
-    /// A reading that is not finite is reckoned through.
+    /// A reading that is not finite is reckoned through. Whether a plane's filter had its turn, which is dear.
     pub fn step(
         &self,
         state: &mut TetherAngleEstimatorState<S>,
         imu: &Imu<S>,
         thrust: S,
         attitude: &Attitude<S>,
-    ) {
+    ) -> bool {
         let is_finite = |v: &V3<S>| v.iter().all(|x| x.is_finite());
         if is_finite(&imu.accel.0) && is_finite(&imu.gyro.0) && thrust.is_finite() {
             state.force += (flip(&imu.accel.0) - state.force) * self.share;
@@ -138,18 +141,28 @@ impl<S: Scalar> TetherAngleEstimator<S> {
         } else {
             state.is_spoilt = true;
         }
+        let waiting = state.waiting.take();
+        if let Some(second) = &waiting {
+            let [_, plane] = &mut state.filters.planes;
+            self.angles.take(plane, second);
+        }
         state.ticks += 1;
         if state.ticks < DECIMATION {
-            return;
+            return waiting.is_some();
         }
         let mean = S::lit(1.0 / f64::from(DECIMATION));
         let rate = state.gyro * mean;
         let force = state.force;
         let force = (!state.is_spoilt).then_some(&force);
-        self.now(state).step(&mut state.filters, force, &rate, heading(attitude));
+        let angles = self.now(state);
+        let [first, second] = angles.readings(&state.filters, force, &rate, heading(attitude));
+        let [plane, _] = &mut state.filters.planes;
+        angles.take(plane, &first);
+        state.waiting = Some(second);
         state.is_spoilt = false;
         state.gyro = V3::zeros();
         state.ticks = 0;
+        true
     }
 
     /// With the thrust that acts, not the one that is asked: it is ramped, and the mixer may cut it.

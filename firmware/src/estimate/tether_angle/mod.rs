@@ -14,5 +14,5 @@ pub use flight::{
     TetherAngleEstimate, TetherAngleEstimator, TetherAngleEstimatorState, plane_angles,
 };
 pub use minimal::{Located, NotLocated, TENSION_FLOOR, locate};
-pub use spatial::{TetherAngles, TetherAnglesState, TiltFrame};
+pub use spatial::{PlaneReading, TetherAngles, TetherAnglesState, TiltFrame};
 pub use ukf::{Belief, Corrected, TetherAngleMode, TetherAngleState, TetherAngleUkf};

@@ -164,8 +164,37 @@ impl<S: Scalar> TetherAngles<S> {
         [model(z.x, e.x), model(z.y, e.y)]
     }
 
-    /// Takes one sample of specific force, m/s², if there is one, and mean rate, rad/s, in body axes, at this
-    /// heading.
+    /// What each plane's filter is told of one sample: specific force, m/s², if there is one, and mean rate, rad/s, in
+    /// body axes, at this heading.
+    #[must_use]
+    pub fn readings(
+        &self,
+        state: &TetherAnglesState<S>,
+        body_force: Option<&V3<S>>,
+        body_rate: &V3<S>,
+        heading: S,
+    ) -> [PlaneReading<S>; 2] {
+        let frame = state.frame(heading);
+        let [model_x, model_y] = self.planar_models(state, &frame);
+        let forces = body_force.map(|force| frame.planar_forces(force, state.tilts()));
+        let [rate_x, rate_y] = frame.tilt_rates(body_rate);
+        let [force_x, force_y] = forces.map_or([None; 2], |forces| forces.map(Some));
+        [
+            PlaneReading { model: model_x, force: force_x, rate: rate_x },
+            PlaneReading { model: model_y, force: force_y, rate: rate_y },
+        ]
+    }
+
+    /// One plane's filter takes its reading.
+    pub fn take(&self, plane: &mut TetherAngleState<S>, reading: &PlaneReading<S>) {
+        let PlaneReading { model, force, rate } = *reading;
+        match force {
+            Some([x, z]) => self.ukf.step(&model, plane, &TiltImu { x, z, rate }),
+            None => self.ukf.reckon(&model, plane, rate),
+        }
+    }
+
+    /// Takes one sample in both planes; arguments as of [`Self::readings`].
     pub fn step(
         &self,
         state: &mut TetherAnglesState<S>,
@@ -173,17 +202,20 @@ impl<S: Scalar> TetherAngles<S> {
         body_rate: &V3<S>,
         heading: S,
     ) {
-        let frame = state.frame(heading);
-        let models = self.planar_models(state, &frame);
-        let forces = body_force.map(|force| frame.planar_forces(force, state.tilts()));
-        let [x, y] = frame.tilt_rates(body_rate);
-        let [force_x, force_y] = forces.map_or([None; 2], |forces| forces.map(Some));
-        let inputs = [(force_x, x), (force_y, y)];
-        for ((plane, model), (force, rate)) in state.planes.iter_mut().zip(&models).zip(inputs) {
-            match force {
-                Some([x, z]) => self.ukf.step(model, plane, &TiltImu { x, z, rate }),
-                None => self.ukf.reckon(model, plane, rate),
-            }
+        let readings = self.readings(state, body_force, body_rate, heading);
+        for (plane, reading) in state.planes.iter_mut().zip(&readings) {
+            self.take(plane, reading);
         }
     }
+}
+
+/// What one plane's filter is told.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PlaneReading<S> {
+    /// Thrust and length as the plane sees them.
+    pub model: TetherAngleModel<S>,
+    /// m/s²; `None`: reckon through.
+    pub force: Option<[S; 2]>,
+    /// Of the tilt, rad/s.
+    pub rate: S,
 }
