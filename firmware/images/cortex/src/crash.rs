@@ -9,13 +9,18 @@ use tautline_board::crash::{Cause, Record};
 #[unsafe(link_section = ".uninit.crash")]
 static mut KEPT: MaybeUninit<Record> = MaybeUninit::uninit();
 
+/// Written after the record: memory with error correction (STM32H7's) may hold the last word back until another is
+/// written, and a reset would lose it.
+static AFTER: AtomicBool = AtomicBool::new(false);
+
 /// Whether the motors may turn, for the record.
 pub static ARMED: AtomicBool = AtomicBool::new(false);
 
 fn keep(record: Record) {
     // SAFETY: written by handlers that never return, with interrupts off, and at boot before any starts.
     unsafe { (&raw mut KEPT).cast::<Record>().write_volatile(record) };
-    // The write shall be in memory, not on its way, when the part resets.
+    AFTER.store(true, Ordering::Relaxed);
+    // The writes shall be in memory, not on their way, when the part resets.
     cortex_m::asm::dsb();
 }
 
