@@ -3,24 +3,12 @@
 import asyncio
 
 from mavsdk_grpc import System
-from mavsdk_grpc.action import ActionError
 
 
 async def first(stream, condition=lambda item: True):
     async for item in stream:
         if condition(item):
             return item
-
-
-async def arm(drone):
-    """As often as a person would press the button: MAVSDK's heartbeats come once a second, four of the vehicle's."""
-    for _ in range(4):
-        try:
-            return await drone.action.arm()
-        except ActionError as refused:
-            print(refused)
-            await asyncio.sleep(1)
-    await drone.action.arm()
 
 
 async def fly(port):
@@ -31,7 +19,7 @@ async def fly(port):
     assert health.is_local_position_ok
     assert abs(await drone.param.get_param_float("VEH_MASS") - 1.5) < 1e-6
     assert await drone.param.get_param_int("SYS_AUTOSTART") == 4001
-    await arm(drone)
+    await drone.action.arm()
     await drone.action.takeoff()
     await first(drone.telemetry.flight_mode(), lambda mode: str(mode) == "TAKEOFF")
     await first(drone.telemetry.flight_mode(), lambda mode: str(mode) == "HOLD")

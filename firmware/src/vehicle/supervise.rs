@@ -20,7 +20,9 @@ impl<S: Scalar> Vehicle<S> {
     }
 
     fn link_is_up(&self, now: Micros) -> bool {
-        self.state.link_at.is_some_and(|at| now.since(at) < VOICE_TIMEOUT_US)
+        // No shorter than the silence that counts as loss: a simulator in a hurry stretches that one.
+        let lost = (self.params.link_loss_time * 1e6) as u64;
+        self.state.link_at.is_some_and(|at| now.since(at) < VOICE_TIMEOUT_US.max(lost))
     }
 
     pub(super) fn arming_facts(&self, sensors: &Sensors<S>, now: Micros) -> ArmingFacts {
