@@ -10,7 +10,7 @@ unsafe extern "C" {
     static _stack_start: u32;
 }
 
-/// First byte of RAM: parts have it here or, where this belongs to the core alone, from the next region on.
+/// First byte of RAM: every part's begins at a multiple of 16 MB.
 fn foot() -> usize {
     top() & 0xFF00_0000
 }

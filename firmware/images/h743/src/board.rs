@@ -174,11 +174,11 @@ pub fn start(mut core: cortex_m::Peripherals, memory: &'static mut Memory) -> Bo
         sdmmc::Config::default(),
     ));
     let (log, card) = memory.log.split(SdCard::new(card));
-    let range = SlowDevices::new(barometer, Inward(range), BatteryMonitor::new(voltage, current));
+    let devices = SlowDevices::new(barometer, Inward(range), BatteryMonitor::new(voltage, current));
     Board {
         imu,
         motors: Motors { front: p.TIM3, rear: p.TIM5, pins: (p.PB0, p.PB1, p.PA0, p.PA1) },
-        devices: range,
+        devices,
         telemetry,
         console,
         log,

@@ -18,8 +18,8 @@ use tautline_board::flight::protocol;
 use tautline_firmware::param::Params;
 use tautline_hal_shim::motors::MotorOutputs;
 
-/// Counts of both timers: 50,000 in a period of 400 Hz.
-const COUNT_HZ: u32 = 20_000_000;
+/// Counts of both timers, a whole part of their clock by PLL (200 MHz) and without (64 MHz), or pulses were off.
+const COUNT_HZ: u32 = 8_000_000;
 /// The stop pulse as a share of the period, of 65536.
 static STOP: AtomicU32 = AtomicU32::new(0);
 const OUTPUTS: [Motor; 4] = [Motor::First, Motor::Second, Motor::Third, Motor::Fourth];
