@@ -22,6 +22,7 @@
 #[cfg(test)]
 extern crate std;
 
+mod config;
 pub mod control;
 pub mod estimate;
 pub mod fault;
@@ -30,6 +31,7 @@ pub mod frames;
 pub mod link;
 pub mod log;
 pub mod math;
+pub mod mode;
 pub mod model;
 pub mod param;
 pub mod scalar;

@@ -33,6 +33,10 @@ pub enum Failure {
     Capsized = 10,
     /// Free flight without motion capture.
     CaptureLost = 11,
+    /// The flight mode itself can't go on.
+    ModeFailed = 12,
+    /// Full thrust, and still on the ground.
+    NoLiftOff = 13,
 }
 
 /// Where a failure ends. Ordered by severity.
@@ -49,13 +53,22 @@ pub enum FailsafeAction {
 }
 
 impl FailsafeAction {
+    /// What needs nothing: where a landing has no position to go by.
+    pub const LEVEL: Mode = Mode::Descent;
+
+    /// How far a mode goes by itself: no failsafe takes a vehicle from a landing back into the air.
+    #[must_use]
+    pub fn rank(mode: Mode) -> u8 {
+        if mode == Self::LEVEL { 2 } else { u8::from(mode.lands()) }
+    }
+
     /// The mode in which it flies; `None` when the motors stop.
     #[must_use]
     pub const fn mode(self) -> Option<Mode> {
         match self {
             Self::Hold => Some(Mode::TetherHold),
             Self::Land => Some(Mode::Land),
-            Self::Descend => Some(Mode::Descent),
+            Self::Descend => Some(Self::LEVEL),
             Self::Terminate => None,
         }
     }
@@ -123,11 +136,11 @@ const CAPSIZED_DELAY_US: u64 = 300_000;
 
 /// Whether a failure matters in this mode. Descent is where most of them end: there the flag stays up.
 fn concerns(mode: Mode, need: impl Fn(&Needs) -> bool) -> bool {
-    need(&mode.rule().needs) || mode == Mode::Descent
+    need(&mode.rule().needs) || mode == FailsafeAction::LEVEL
 }
 
 /// All failures, ordered as [`Failure`].
-pub const FAILSAFES: [Failsafe; 12] = [
+pub const FAILSAFES: [Failsafe; 14] = [
     Failsafe {
         failure: Failure::ImuLost,
         text: "IMU lost: motors off",
@@ -214,14 +227,64 @@ pub const FAILSAFES: [Failsafe; 12] = [
         delay: |c| c.capture_delay_us,
         action: |_| FailsafeAction::Descend,
     },
+    // No fact shows these two: the mode that flies raises them.
+    Failsafe {
+        failure: Failure::ModeFailed,
+        text: "Flight mode failed: holding",
+        is_present: |_, _| false,
+        delay: |_| 0,
+        action: |_| FailsafeAction::Hold,
+    },
+    Failsafe {
+        failure: Failure::NoLiftOff,
+        text: "Take-off failed: no lift-off",
+        is_present: |_, _| false,
+        delay: |_| 0,
+        action: |_| FailsafeAction::Terminate,
+    },
 ];
 
-/// Since when each failure is present, and which have been announced.
+/// A failure that a mode raised forbids what its action forbids for at least so long, µs; by then the facts show it,
+/// if it is still there.
+const RAISED_US: u64 = 5_000_000;
+
+/// Since when each failure is present, and what came of it. Bit n stands for row n of [`FAILSAFES`].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FailsafeState {
-    since: [Option<Micros>; 12],
-    /// Bit n: row n of [`FAILSAFES`] has lasted its delay.
-    pub active: u16,
+    since: [Option<Micros>; FAILSAFES.len()],
+    /// By a mode, until [`Self::raised_until`].
+    raised: u16,
+    raised_until: Micros,
+    /// Has lasted its delay and is still there: forbids modes.
+    in_force: u16,
+    /// Ended the flight that was flown, until somebody asks for another mode.
+    latched: u16,
+}
+
+impl FailsafeState {
+    /// What the operator is told: in force, or the cause of what the vehicle does now.
+    #[must_use]
+    pub const fn active(&self) -> u16 {
+        self.in_force | self.latched
+    }
+
+    /// Somebody took over: what is not in force any more is history.
+    pub fn release(&mut self) {
+        self.raised = 0;
+        self.latched = 0;
+    }
+}
+
+impl Failure {
+    const fn mask(self) -> u16 {
+        1 << self as u16
+    }
+
+    /// Its row.
+    #[must_use]
+    pub fn rule(self) -> Option<&'static Failsafe> {
+        FAILSAFES.get(self as usize)
+    }
 }
 
 impl Failsafes {
@@ -250,29 +313,63 @@ impl Failsafes {
         facts: &FailsafeFacts,
         now: Micros,
     ) -> (Option<FailsafeAction>, Option<&'static Failsafe>) {
+        if now >= state.raised_until {
+            state.raised = 0;
+        }
         let mut worst: Option<FailsafeAction> = None;
         let mut fresh: Option<(FailsafeAction, &'static Failsafe)> = None;
         for ((row, since), bit) in FAILSAFES.iter().zip(&mut state.since).zip(0_u32..) {
             let mask = 1_u16 << bit;
-            if !(row.is_present)(self, facts) {
+            let is_raised = state.raised & mask != 0;
+            if !((row.is_present)(self, facts) || is_raised) {
                 *since = None;
-                state.active &= !mask;
+                state.in_force &= !mask;
                 continue;
             }
             let began = *since.get_or_insert(now);
-            if now.since(began) < (row.delay)(self) {
+            if now.since(began) < (row.delay)(self) && !is_raised {
                 continue;
             }
             let action = (row.action)(self);
             worst = worst.max(Some(action));
-            if state.active & mask == 0 {
-                state.active |= mask;
-                if fresh.is_none_or(|(known, _)| action > known) {
-                    fresh = Some((action, row));
-                }
+            if (state.in_force | state.latched) & mask == 0
+                && fresh.is_none_or(|(known, _)| action > known)
+            {
+                fresh = Some((action, row));
+            }
+            state.in_force |= mask;
+            if action > FailsafeAction::Hold {
+                state.latched |= mask;
             }
         }
         (worst, fresh.map(|(_, row)| row))
+    }
+
+    /// A mode can't go on. What follows, as for every other failure.
+    pub fn raise(
+        &self,
+        state: &mut FailsafeState,
+        failure: Failure,
+        now: Micros,
+    ) -> FailsafeAction {
+        let action = failure.rule().map_or(FailsafeAction::Descend, |row| (row.action)(self));
+        state.raised |= failure.mask();
+        state.raised_until = Micros(now.0.saturating_add(RAISED_US));
+        state.in_force |= failure.mask();
+        if action > FailsafeAction::Hold {
+            state.latched |= failure.mask();
+        }
+        action
+    }
+
+    /// The most severe action that is in force.
+    #[must_use]
+    pub fn in_force(&self, state: &FailsafeState) -> Option<FailsafeAction> {
+        FAILSAFES
+            .iter()
+            .filter(|row| state.in_force & row.failure.mask() != 0)
+            .map(|row| (row.action)(self))
+            .max()
     }
 }
 
@@ -349,5 +446,37 @@ mod tests {
         assert_eq!(action, Some(FailsafeAction::Land));
         assert!(announced.is_some());
         assert!(safes.step(&mut state, &lost, Micros(6_001_000)).1.is_none());
+    }
+
+    #[test]
+    fn a_raised_failure_forbids_at_once_and_is_told_until_somebody_takes_over() {
+        let safes = Failsafes::new(&Params::default());
+        let mut state = FailsafeState::default();
+        let slack = Failure::TetherSlack.mask();
+        assert_eq!(
+            safes.raise(&mut state, Failure::TetherSlack, Micros(0)),
+            FailsafeAction::Descend
+        );
+        assert_eq!(safes.in_force(&state), Some(FailsafeAction::Descend));
+        let (action, announced) = safes.step(&mut state, &healthy(), Micros(4_000));
+        assert_eq!(action, Some(FailsafeAction::Descend));
+        assert!(announced.is_none(), "told twice");
+        // Nothing shows it any more: it forbids nothing, but still is why the vehicle descends.
+        safes.step(&mut state, &healthy(), Micros(5_000_000));
+        assert_eq!(safes.in_force(&state), None);
+        assert_eq!(state.active(), slack);
+        state.release();
+        assert_eq!(state.active(), 0);
+    }
+
+    #[test]
+    fn a_failure_that_lasts_is_told_again_after_a_release_only_by_its_bit() {
+        let safes = Failsafes::new(&Params::default());
+        let mut state = FailsafeState::default();
+        let lost = FailsafeFacts { altitude_is_fresh: false, ..healthy() };
+        assert!(safes.step(&mut state, &lost, Micros(0)).1.is_some());
+        state.release();
+        assert!(safes.step(&mut state, &lost, Micros(4_000)).1.is_none());
+        assert_eq!(state.active(), Failure::AltimeterLost.mask());
     }
 }

@@ -10,4 +10,4 @@ pub use failsafe::{
     FAILSAFES, Failsafe, FailsafeAction, FailsafeFacts, FailsafeState, Failsafes, Failure,
 };
 pub use ground::{GroundContact, GroundState, TouchDown, TouchDownInput, TouchDownState};
-pub use mode::{MODES, Mode, ModeRule, Needs};
+pub use mode::{MODES, Mode, ModeRule, Needs, Rest};

@@ -1,30 +1,4 @@
-//! Flight modes, what each needs, and its MAVLink number.
-
-/// What the vehicle does with itself.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Mode {
-    /// Sticks give roll, pitch, yaw rate and throttle.
-    Stabilize,
-    /// Sticks give roll, pitch, yaw rate and climb rate.
-    Altitude,
-    /// Hold and move in tether coordinates.
-    #[default]
-    TetherHold,
-    /// Leave the ground and fly to the start of the hold.
-    Takeoff,
-    /// Return, come down, stop the motors.
-    Land,
-    /// Level and sinking; knows nothing of position or tether.
-    Descent,
-    /// Elevation and link force on a taut link, by inertia.
-    TautForce,
-    /// Elevation and pitch on a taut link, by inertia.
-    TautAttitude,
-    /// Direction of a taut tether, by inertia, under constant thrust.
-    TetherAngle,
-    /// Balances a load on a rod, under motion capture, without a tether.
-    Pendulum,
-}
+//! Flight modes: what each needs, its name and its MAVLink numbers. What a mode does stands in [`crate::mode`].
 
 /// What a mode cannot do without.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -39,6 +13,17 @@ pub struct Needs {
     pub taut: bool,
 }
 
+/// What becomes of a mode on the ground.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Rest {
+    /// Stays, also while disarmed.
+    Stays,
+    /// Goes over to Tether Hold when the motors stop.
+    EndsWithMotors,
+    /// It ends on the ground itself, and goes over to Tether Hold before the next flight.
+    Lands,
+}
+
 /// One row of [`MODES`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ModeRule {
@@ -50,8 +35,14 @@ pub struct ModeRule {
     pub custom_mode: u32,
     /// Further `custom_mode` values that select it.
     pub aliases: &'static [u32],
+    /// MAVLink's `MAV_STANDARD_MODE`; 0 = none of the standard ones.
+    pub standard_mode: u8,
     /// What it needs.
     pub needs: Needs,
+    /// What becomes of it on the ground.
+    pub rest: Rest,
+    /// What flies on when it has done what it was asked, and what the operator reads then.
+    pub then: Option<(Mode, &'static str)>,
 }
 
 const fn px4(main: u32, sub: u32) -> u32 {
@@ -59,109 +50,92 @@ const fn px4(main: u32, sub: u32) -> u32 {
 }
 
 const NOTHING: Needs = Needs { position: false, altitude: false, sticks: false, taut: false };
+const STICKS: Needs = Needs { sticks: true, ..NOTHING };
 const POSITION: Needs = Needs { position: true, altitude: true, taut: true, ..NOTHING };
 const TAUT: Needs = Needs { taut: true, ..NOTHING };
 const CAPTURE: Needs = Needs { position: true, ..NOTHING };
 
-/// All modes. The sub modes of PX4's AUTO: 2 take-off, 3 loiter, 5 return, 6 land, 11 to 15 external 1 to 5.
-pub const MODES: [ModeRule; 10] = [
-    ModeRule {
-        mode: Mode::Stabilize,
-        name: "Stabilize",
-        custom_mode: px4(7, 0),
-        aliases: &[],
-        needs: Needs { sticks: true, ..NOTHING },
-    },
-    ModeRule {
-        mode: Mode::Altitude,
-        name: "Altitude",
-        custom_mode: px4(2, 0),
-        aliases: &[],
-        needs: Needs { sticks: true, altitude: true, ..NOTHING },
-    },
-    ModeRule {
-        mode: Mode::TetherHold,
-        name: "Tether Hold",
-        custom_mode: px4(4, 3),
-        aliases: &[px4(3, 0), px4(6, 0)],
-        needs: POSITION,
-    },
-    ModeRule {
-        mode: Mode::Takeoff,
-        name: "Takeoff",
-        custom_mode: px4(4, 2),
-        aliases: &[],
-        needs: POSITION,
-    },
-    ModeRule {
-        mode: Mode::Land,
-        name: "Land",
-        custom_mode: px4(4, 6),
-        aliases: &[px4(4, 5)],
-        needs: POSITION,
-    },
-    ModeRule {
-        mode: Mode::Descent,
-        name: "Descent",
-        custom_mode: px4(4, 11),
-        aliases: &[],
-        needs: NOTHING,
-    },
-    ModeRule {
-        mode: Mode::TautForce,
-        name: "Taut Force",
-        custom_mode: px4(4, 12),
-        aliases: &[],
-        needs: TAUT,
-    },
-    ModeRule {
-        mode: Mode::TautAttitude,
-        name: "Taut Attitude",
-        custom_mode: px4(4, 13),
-        aliases: &[],
-        needs: TAUT,
-    },
-    ModeRule {
-        mode: Mode::TetherAngle,
-        name: "Tether Angle",
-        custom_mode: px4(4, 14),
-        aliases: &[],
-        needs: TAUT,
-    },
-    ModeRule {
-        mode: Mode::Pendulum,
-        name: "Pendulum",
-        custom_mode: px4(4, 15),
-        aliases: &[],
-        needs: CAPTURE,
-    },
-];
+/// The enum, its table and the way from one to the other, of one row a mode.
+macro_rules! modes {
+    ($($(#[$doc:meta])+ $mode:ident: $name:literal, $number:expr, $needs:expr, $rest:ident
+        $(, $field:ident = $value:expr)*;)+) => {
+        /// What the vehicle does with itself.
+        #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+        pub enum Mode {
+            $($(#[$doc])+ $mode,)+
+        }
+
+        /// All modes.
+        pub const MODES: [ModeRule; [$($name),+].len()] = [$(
+            ModeRule {
+                $($field: $value,)*
+                ..row(Mode::$mode, $name, $number, $needs, Rest::$rest)
+            },
+        )+];
+
+        impl Mode {
+            /// This mode's row.
+            #[must_use]
+            #[allow(non_snake_case, reason = "a binding a mode")]
+            pub const fn rule(self) -> &'static ModeRule {
+                let [$($mode),+] = &MODES;
+                match self {
+                    $(Self::$mode => $mode,)+
+                }
+            }
+        }
+    };
+}
+
+const fn row(
+    mode: Mode,
+    name: &'static str,
+    custom_mode: u32,
+    needs: Needs,
+    rest: Rest,
+) -> ModeRule {
+    ModeRule { mode, name, custom_mode, aliases: &[], standard_mode: 0, needs, rest, then: None }
+}
+
+// The sub modes of PX4's AUTO: 2 take-off, 3 loiter, 5 return, 6 land, 11 to 15 external 1 to 5. Of MAVLink's
+// standard modes: 4 altitude hold, 7 land, 8 take-off.
+modes! {
+    /// Sticks give roll, pitch, yaw rate and throttle.
+    Stabilize: "Stabilize", px4(7, 0), STICKS, Stays;
+    /// Sticks give roll, pitch, yaw rate and climb rate.
+    Altitude: "Altitude", px4(2, 0), Needs { altitude: true, ..STICKS }, Stays, standard_mode = 4;
+    /// Hold and move in tether coordinates.
+    #[default]
+    TetherHold: "Tether Hold", px4(4, 3), POSITION, Stays, aliases = &[px4(3, 0), px4(6, 0)];
+    /// Leave the ground and fly to the start of the hold.
+    Takeoff: "Takeoff", px4(4, 2), POSITION, EndsWithMotors, standard_mode = 8,
+        then = Some((Mode::TetherHold, "Take-off complete, holding"));
+    /// Return, come down, stop the motors.
+    Land: "Land", px4(4, 6), POSITION, Lands, standard_mode = 7, aliases = &[px4(4, 5)];
+    /// Level and sinking; knows nothing of position or tether.
+    Descent: "Descent", px4(4, 11), NOTHING, Lands;
+    /// Elevation and link force on a taut link, by inertia.
+    TautForce: "Taut Force", px4(4, 12), TAUT, EndsWithMotors;
+    /// Elevation and pitch on a taut link, by inertia.
+    TautAttitude: "Taut Attitude", px4(4, 13), TAUT, EndsWithMotors;
+    /// Direction of a taut tether, by inertia, under constant thrust.
+    TetherAngle: "Tether Angle", px4(4, 14), TAUT, EndsWithMotors;
+    /// Balances a load on a rod, under motion capture, without a tether.
+    Pendulum: "Pendulum", px4(4, 15), CAPTURE, EndsWithMotors;
+}
 
 impl Mode {
-    /// This mode's row.
-    #[must_use]
-    pub const fn rule(self) -> &'static ModeRule {
-        let [stabilize, altitude, hold, takeoff, land, descent, force, attitude, angle, pendulum] =
-            &MODES;
-        match self {
-            Self::Stabilize => stabilize,
-            Self::Altitude => altitude,
-            Self::TetherHold => hold,
-            Self::Takeoff => takeoff,
-            Self::Land => land,
-            Self::Descent => descent,
-            Self::TautForce => force,
-            Self::TautAttitude => attitude,
-            Self::TetherAngle => angle,
-            Self::Pendulum => pendulum,
-        }
-    }
-
     /// Whether it stands on a taut link alone, without a position.
     #[must_use]
     pub const fn flies_taut(self) -> bool {
         let needs = self.rule().needs;
         needs.taut && !needs.position
+    }
+
+    /// Whether it ends on the ground.
+    #[must_use]
+    pub fn lands(self) -> bool {
+        self.rule().rest == Rest::Lands
     }
 
     /// From MAVLink's `custom_mode`.

@@ -11,38 +11,29 @@
 //! an argument, nothing reads a global, and the step cannot fail: a block that refuses becomes a
 //! supervisor event, and the motors always get a defined command.
 
-mod config;
-mod flight;
+mod arbiter;
+mod fly;
 mod output;
-mod pendulum;
 mod requests;
-mod slack_hover;
-mod supervise;
-mod taut;
-mod tether_angle;
 
+pub use crate::mode::PendulumReport;
 pub use output::{StepInput, StepOutput};
-pub use pendulum::PendulumReport;
 
-use crate::control::taut::TautPilotState;
+use crate::config::Config;
 use crate::control::{AttitudeCommand, ClimbState, PositionState, RateSetpoint, RateState};
-use crate::estimate::taut::TautEstimatorState;
-use crate::estimate::{Phase, TetherEstimatorState};
+use crate::estimate::Phase;
+use crate::estimate::taut::{TautEstimatorState, TautInput};
 use crate::frames::{Body, V3, World};
+use crate::mode::{ActiveMode, Context, Handover, Setpoints, Situation};
 use crate::param::Params;
 use crate::scalar::Scalar;
 use crate::sense::{ImuScale, SenseState};
 use crate::signal::{
-    Actuation, Estimate, EventQueue, FlightReference, MixerReport, ROTORS, Reply, Sensors, Sticks,
-    WinchCommand, Wrench,
+    Actuation, Event, EventQueue, MixerReport, ROTORS, Reply, Sensors, WinchCommand, Wrench,
 };
-use crate::supervisor::{FailsafeState, GroundState, Mode, TouchDownState};
-use crate::time::{INNER_DT, Micros, Sample};
-use crate::trajectory::{Plan, TautPlan};
-use config::Config;
-use pendulum::{PendulumFlight, RodWatch};
-use slack_hover::SlackHover;
-use tether_angle::AngleFlight;
+use crate::supervisor::{FailsafeState, GroundState, TouchDownState};
+use crate::time::{INNER_DT, Micros};
+use crate::trajectory::Plan;
 
 /// One autopilot.
 #[derive(Clone, Debug)]
@@ -50,61 +41,29 @@ pub struct Vehicle<S: Scalar = f32> {
     params: Params,
     scale: ImuScale,
     config: Config<S>,
+    mode: ActiveMode<S>,
+    situation: Situation<S>,
     state: State<S>,
 }
 
-/// Everything that moves, apart from the blocks' configuration.
+/// What moves and concerns no mode.
 #[derive(Clone, Debug)]
 struct State<S: Scalar> {
     sense: SenseState<S>,
-    estimator: TetherEstimatorState<S>,
-    estimate: Estimate<S>,
     specific_force: S,
-
-    mode: Mode,
-    armed_at: Option<Micros>,
     /// All arming checks passed when they were last looked at.
     is_armable: bool,
     /// Since the estimators moved on.
     phase: OuterPhase,
-    ground: GroundState,
     landed_at: Option<Micros>,
     failsafe: FailsafeState,
     touch_down: TouchDownState<S>,
     /// 1 in flight, runs down to 0 on ground contact.
     contact_ramp: S,
-
     link_at: Option<Micros>,
-    sticks: Option<Sample<Sticks>>,
-
-    plan: Plan<S>,
-    /// Time in the thrust ramp on the ground, s.
-    spool: S,
-    takeoff_altitude: Option<f32>,
-    yaw: S,
-    tension: S,
-    tension_target: S,
-    smoothed: Option<Smoothed<S>>,
-    position: PositionState<S>,
-    climb: ClimbState<S>,
-    attitude: AttitudeCommand<S>,
-    reference: Option<FlightReference<S>>,
-    /// Under way; `None` once done.
-    slack_hover: Option<SlackHover<S>>,
     /// A parameter that the vehicle changed by itself, for the ground station.
     echo: Option<usize>,
-    taut: TautEstimatorState<S>,
-    /// In the taut-link modes.
-    taut_flight: Option<TautFlight<S>>,
-    /// In Tether Angle.
-    angle_flight: Option<AngleFlight<S>>,
-    /// While a rod on top is seen.
-    rod: Option<RodWatch<S>>,
-    /// In Pendulum.
-    pendulum_flight: Option<PendulumFlight<S>>,
-
     rate: RateState<S>,
-    mixer: MixerReport,
     wrench: Wrench<S>,
     actuation: Actuation<S>,
 }
@@ -122,24 +81,26 @@ enum OuterPhase {
     Fly,
 }
 
-/// What moves in a taut-link mode.
+/// Now, and what the sensors say now.
 #[derive(Clone, Copy, Debug)]
-struct TautFlight<S: Scalar> {
-    pilot: TautPilotState<S>,
-    plan: TautPlan<S>,
-    /// Elevation that the observer sees too much of, by the altimeter, rad.
-    correction: S,
-    /// How long the link has pulled less than it should, s.
-    slack: S,
+struct Moment<'a, S: Scalar> {
+    now: Micros,
+    sensors: &'a Sensors<S>,
 }
 
-/// Estimate behind the position loop's low-pass.
-#[derive(Clone, Copy, Debug)]
-struct Smoothed<S: Scalar> {
-    position: World<V3<S>>,
-    velocity: World<V3<S>>,
-    tension: S,
+/// What a mode may read, while the mode itself may change.
+macro_rules! context {
+    ($vehicle:expr, $at:expr) => {
+        $crate::mode::Context {
+            now: $at.now,
+            params: &$vehicle.params,
+            config: &$vehicle.config,
+            sensors: $at.sensors,
+            situation: &$vehicle.situation,
+        }
+    };
 }
+use context;
 
 impl<S: Scalar> Vehicle<S> {
     /// On the ground, disarmed, nothing measured yet. `scale` is how the driver set the sensor up.
@@ -148,44 +109,44 @@ impl<S: Scalar> Vehicle<S> {
         let config = Config::new(&params, scale);
         let estimator = config.estimator.start();
         let estimate = config.estimator.estimate(&estimator);
-        let still = Body(V3::zeros());
-        let state = State {
-            sense: SenseState::default(),
+        let mode = ActiveMode::at_rest(Handover {
+            heading: S::from_f32(params.start_heading),
+            tension: S::from_f32(params.tension),
+            plan: Plan::stay(World(V3::zeros())),
+            position: PositionState::default(),
+            climb: ClimbState::default(),
+        });
+        let situation = Situation {
             estimator,
             estimate,
-            specific_force: S::zero(),
-            mode: Mode::default(),
+            smoothed: None,
+            taut: TautEstimatorState::default(),
+            rod: None,
+            sticks: None,
             armed_at: None,
+            mixer: MixerReport::default(),
+            setpoints: Setpoints {
+                attitude: AttitudeCommand::idle(),
+                reference: None,
+                tension: config.tension_low,
+                ground: GroundState::OnGround,
+                wants_down: false,
+                notice: None,
+            },
+        };
+        let state = State {
+            sense: SenseState::default(),
+            specific_force: S::zero(),
             is_armable: false,
             phase: OuterPhase::Idle,
-            ground: GroundState::OnGround,
             landed_at: None,
             failsafe: FailsafeState::default(),
             touch_down: TouchDownState::default(),
             contact_ramp: S::one(),
             link_at: None,
-            sticks: None,
-            plan: Plan::stay(World(V3::zeros())),
-            spool: S::zero(),
-            takeoff_altitude: None,
-            yaw: S::from_f32(params.start_heading),
-            tension: config.tension_low,
-            tension_target: S::from_f32(params.tension),
-            smoothed: None,
-            position: PositionState::default(),
-            climb: ClimbState::default(),
-            attitude: AttitudeCommand::idle(),
-            reference: None,
-            slack_hover: None,
             echo: None,
-            taut: TautEstimatorState::default(),
-            taut_flight: None,
-            angle_flight: None,
-            rod: None,
-            pendulum_flight: None,
             rate: RateState::default(),
-            mixer: MixerReport::default(),
-            wrench: Wrench { thrust: S::zero(), torque: still },
+            wrench: Wrench { thrust: S::zero(), torque: Body(V3::zeros()) },
             actuation: Actuation {
                 thrusts: [S::zero(); ROTORS],
                 throttle: [S::zero(); ROTORS],
@@ -193,7 +154,7 @@ impl<S: Scalar> Vehicle<S> {
                 winch: WinchCommand { tension: config.tension_low },
             },
         };
-        Self { params, scale, config, state }
+        Self { params, scale, config, mode, situation, state }
     }
 
     /// All settings.
@@ -208,22 +169,27 @@ impl<S: Scalar> Vehicle<S> {
         self.state.actuation.winch.tension
     }
 
+    fn context<'a>(&'a self, at: Moment<'a, S>) -> Context<'a, S> {
+        context!(self, at)
+    }
+
     /// One step; call it at every inertial sample, or at the same rate when the sensor is silent.
     pub fn step(&mut self, input: &StepInput) -> StepOutput<S> {
         let mut events = EventQueue::default();
-        self.hear(input);
-        let cos_tilt = self.state.estimate.attitude.cos_tilt();
+        self.receive(input);
+        let cos_tilt = self.situation.estimate.attitude.cos_tilt();
         let sensors =
             self.config.sense.step(&mut self.state.sense, input.now, &input.sensors, cos_tilt);
+        let at = Moment { now: input.now, sensors: &sensors };
         let phase = core::mem::take(&mut self.state.phase);
-        if self.observe(&sensors, &mut events) {
+        if self.estimate(&sensors, &mut events) {
             self.state.phase = OuterPhase::Observe;
         }
-        self.see_rod(&sensors);
+        self.receive_rod(&sensors);
         let reply: Option<Reply> =
-            input.request.map(|request| self.handle(&request, &sensors, input.now, &mut events));
+            input.request.map(|request| self.handle(&request, at, &mut events));
         if phase == OuterPhase::Fly || sensors.imu.is_none() {
-            self.supervise(&sensors, input.now, &mut events);
+            self.supervise(at, &mut events);
         }
         match phase {
             OuterPhase::Idle => {}
@@ -232,7 +198,7 @@ impl<S: Scalar> Vehicle<S> {
                 self.observe_link();
                 self.state.phase = OuterPhase::Fly;
             }
-            OuterPhase::Fly => self.fly(&sensors, input.now, &mut events),
+            OuterPhase::Fly => self.fly(at, &mut events),
         }
         self.actuate(&sensors);
         let reply = reply.or_else(|| self.state.echo.take().map(Reply::echo));
@@ -240,23 +206,23 @@ impl<S: Scalar> Vehicle<S> {
     }
 
     /// Notes when somebody outside last spoke.
-    fn hear(&mut self, input: &StepInput) {
-        let state = &mut self.state;
-        state.link_at = state.link_at.max(input.heartbeat_at);
+    fn receive(&mut self, input: &StepInput) {
+        self.state.link_at = self.state.link_at.max(input.heartbeat_at);
         if let Some(sticks) = input.sticks {
             let v = &sticks.value;
             if [v.roll, v.pitch, v.yaw, v.throttle].iter().all(|axis| axis.is_finite()) {
-                state.sticks = Some(sticks);
+                self.situation.sticks = Some(sticks);
             }
         }
     }
 
-    fn observe(&mut self, sensors: &Sensors<S>, events: &mut EventQueue) -> bool {
-        let state = &mut self.state;
-        let has_landed = state.ground == GroundState::OnGround && state.landed_at.is_some();
-        let phase = if state.armed_at.is_none() || has_landed {
+    fn estimate(&mut self, sensors: &Sensors<S>, events: &mut EventQueue) -> bool {
+        let (state, situation) = (&mut self.state, &mut self.situation);
+        let is_on_ground = situation.setpoints.ground == GroundState::OnGround;
+        let has_landed = is_on_ground && state.landed_at.is_some();
+        let phase = if situation.armed_at.is_none() || has_landed {
             Phase::Resting
-        } else if state.contact_ramp < S::one() || state.slack_hover.is_some() {
+        } else if state.contact_ramp < S::one() || self.mode.climbs_slack() {
             Phase::Touching
         } else {
             Phase::Powered
@@ -264,53 +230,82 @@ impl<S: Scalar> Vehicle<S> {
         if let Some(imu) = &sensors.imu {
             state.specific_force = crate::math::so3::norm(&imu.value.accel.0);
         }
-        let was_levelled = state.estimate.is_levelled;
-        let has_ticked = self.config.estimator.step(
-            &mut state.estimator,
-            sensors,
-            &state.actuation.thrusts,
-            phase,
-        );
+        let was_levelled = situation.estimate.is_levelled;
+        let estimator = &self.config.estimator;
+        let thrusts = &state.actuation.thrusts;
+        let has_ticked = estimator.step(&mut situation.estimator, sensors, thrusts, phase);
         if has_ticked || !was_levelled {
-            state.estimate = self.config.estimator.estimate(&state.estimator);
+            situation.estimate = estimator.estimate(&situation.estimator);
         } else {
-            state.estimate.rate = self.config.estimator.rate(&state.estimator);
+            situation.estimate.rate = estimator.rate(&situation.estimator);
         }
-        if state.estimate.is_levelled && !was_levelled {
-            events.push(crate::signal::Event::info("Levelled, gyro bias taken"));
+        if situation.estimate.is_levelled && !was_levelled {
+            events.push(Event::info("Levelled, gyro bias taken"));
         }
         has_ticked
     }
 
+    fn receive_rod(&mut self, sensors: &Sensors<S>) {
+        if let (Some(sample), Some(config)) = (&sensors.rod, &self.config.modes.pendulum) {
+            config.receive(&mut self.situation.rod, sample, &self.situation.estimate);
+        }
+    }
+
+    fn observe_rod(&mut self, now: Micros) {
+        let situation = &mut self.situation;
+        match &self.config.modes.pendulum {
+            Some(config) => config.observe(&mut situation.rod, &situation.estimate, now),
+            None => situation.rod = None,
+        }
+    }
+
+    /// Runs the taut-link observer in the air, whatever the mode, so that it has converged when it is wanted.
+    fn observe_link(&mut self) {
+        let situation = &mut self.situation;
+        let is_airborne = situation.estimator.is_airborne();
+        let Some(taut) = self.config.modes.taut.as_ref().filter(|_| is_airborne) else {
+            situation.taut = TautEstimatorState::default();
+            return;
+        };
+        let (roll, ..) = situation.estimate.attitude.euler();
+        let input = TautInput {
+            imu: situation.inertial_mean(),
+            thrust: situation.estimate.thrust,
+            roll,
+            purpose: self.mode.purpose().unwrap_or_default(),
+        };
+        taut.estimator.step(&mut situation.taut, &input);
+    }
+
     /// Rate loop, mixer and thrust map, at every inertial sample.
     fn actuate(&mut self, sensors: &Sensors<S>) {
-        let state = &mut self.state;
-        let is_armed = state.armed_at.is_some();
+        let (state, situation) = (&mut self.state, &mut self.situation);
+        let is_armed = situation.armed_at.is_some();
         state.actuation.is_armed = is_armed;
-        state.actuation.winch = WinchCommand { tension: state.tension };
+        state.actuation.winch = WinchCommand { tension: situation.setpoints.tension };
         if !is_armed {
             state.actuation.thrusts = [S::zero(); ROTORS];
             state.actuation.throttle = [S::zero(); ROTORS];
-            state.mixer = MixerReport::default();
+            situation.mixer = MixerReport::default();
             state.wrench = Wrench { thrust: S::zero(), torque: Body(V3::zeros()) };
             state.rate = RateState::default();
             return;
         }
         let voltage = sensors.battery.map(|battery| battery.voltage);
-        if state.ground == GroundState::OnGround {
+        if situation.setpoints.ground == GroundState::OnGround {
             let idle = self.config.mixer.min;
             state.actuation.thrusts = [idle; ROTORS];
             state.rate = RateState::default();
         } else if sensors.imu.is_some() {
-            let estimate = &state.estimate;
+            let estimate = &situation.estimate;
             let pull = match (&estimate.tether, &estimate.position) {
                 // The specific force is the thrust, which has no sideways part, and the pull.
-                _ if state.mode.flies_taut() => {
-                    let force = state.taut.estimate().map_or(V3::zeros(), |taut| taut.accel.0);
+                _ if self.mode.mode().flies_taut() => {
+                    let force = situation.taut.estimate().map_or(V3::zeros(), |taut| taut.accel.0);
                     Body(V3::new(force.x, force.y, S::zero()) * self.config.mass)
                 }
                 (Some(tether), Some(position))
-                    if tether.is_taut && state.estimator.is_airborne() =>
+                    if tether.is_taut && situation.estimator.is_airborne() =>
                 {
                     let towards = position.0 * (-tether.tension / tether.length.max(S::lit(0.3)));
                     estimate.attitude.to_body(World(towards))
@@ -318,20 +313,21 @@ impl<S: Scalar> Vehicle<S> {
                 _ => Body(V3::zeros()),
             };
             let dt = S::lit(INNER_DT);
-            let wanted = RateSetpoint::of(&state.attitude);
+            let wanted = RateSetpoint::of(&situation.setpoints.attitude);
             let torque = self.config.rate.step(
                 &mut state.rate,
                 &wanted,
                 &estimate.rate,
                 &pull,
-                state.mixer,
+                situation.mixer,
                 dt,
             );
-            let thrust = state.attitude.thrust * state.contact_ramp / self.config.thrust_scale;
+            let thrust =
+                situation.setpoints.attitude.thrust * state.contact_ramp / self.config.thrust_scale;
             state.wrench = Wrench { thrust, torque };
             let (thrusts, report) = self.config.mixer.step(&state.wrench);
             state.actuation.thrusts = thrusts;
-            state.mixer = report;
+            situation.mixer = report;
         }
         state.actuation.throttle =
             state.actuation.thrusts.map(|thrust| self.config.thrust_map.throttle(thrust, voltage));

@@ -1,9 +1,10 @@
 //! What goes in and what comes out. Log and telemetry only read [`StepOutput`].
 
-use super::{PendulumReport, Vehicle};
+use super::Vehicle;
 use crate::estimate::taut::TautEstimate;
 use crate::estimate::tether_angle::TetherAngleEstimate;
 use crate::frames::{Body, V3};
+use crate::mode::PendulumReport;
 use crate::scalar::Scalar;
 use crate::sense::RawSensors;
 use crate::signal::{
@@ -81,28 +82,29 @@ impl<S: Scalar> Vehicle<S> {
         reply: Option<Reply>,
         events: EventQueue,
     ) -> StepOutput<S> {
-        let state = &self.state;
+        let (state, situation) = (&self.state, &self.situation);
+        let report = self.mode.report();
         StepOutput {
             now,
             sensors: *sensors,
-            estimate: state.estimate,
-            reference: state.reference,
-            taut: state.taut.estimate().copied(),
-            taut_reference: state.taut_flight.as_ref().map(|flight| flight.plan.now()),
-            angle: state.angle_flight.as_ref().map(|flight| flight.estimate),
-            pendulum: state.rod.as_ref().map(|rod| PendulumReport {
-                estimate: rod.estimate,
-                reference: state.pendulum_flight.as_ref().map(|flight| flight.reference),
-            }),
-            rate_setpoint: state.attitude.rate,
+            estimate: situation.estimate,
+            reference: situation.setpoints.reference,
+            taut: situation.taut.estimate().copied(),
+            taut_reference: report.taut,
+            angle: report.angle,
+            pendulum: situation
+                .rod
+                .as_ref()
+                .map(|rod| PendulumReport { estimate: rod.estimate, reference: report.load }),
+            rate_setpoint: situation.setpoints.attitude.rate,
             wrench: state.wrench,
-            mixer: state.mixer,
+            mixer: situation.mixer,
             actuation: state.actuation,
-            mode: state.mode,
-            is_armed: state.armed_at.is_some(),
-            ground: state.ground,
+            mode: self.mode.mode(),
+            is_armed: situation.armed_at.is_some(),
+            ground: situation.setpoints.ground,
             is_armable: state.is_armable,
-            failures: state.failsafe.active,
+            failures: state.failsafe.active(),
             reply,
             events,
         }

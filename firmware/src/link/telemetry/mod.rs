@@ -74,19 +74,8 @@ impl View {
 }
 
 fn standard_mode(mode: Mode) -> mav::MavStandardMode {
-    use mav::MavStandardMode as M;
-    match mode {
-        Mode::Altitude => M::MAV_STANDARD_MODE_ALTITUDE_HOLD,
-        Mode::Land => M::MAV_STANDARD_MODE_LAND,
-        Mode::Takeoff => M::MAV_STANDARD_MODE_TAKEOFF,
-        Mode::Stabilize
-        | Mode::TetherHold
-        | Mode::Descent
-        | Mode::TautForce
-        | Mode::TautAttitude
-        | Mode::TetherAngle
-        | Mode::Pendulum => M::MAV_STANDARD_MODE_NON_STANDARD,
-    }
+    let number = mode.rule().standard_mode;
+    num_traits::FromPrimitive::from_u8(number).unwrap_or(mav::MavStandardMode::DEFAULT)
 }
 
 impl Link {

@@ -4,13 +4,12 @@
 //!
 //! The position filter starts afterwards: without tension it has nothing to hold on to.
 
-use super::Vehicle;
+use super::Takeoff;
 use crate::estimate::{Calibrated, ThrustCalibration, ThrustCalibrationState};
-use crate::frames::{Body, V3, World};
+use crate::frames::{Body, V3};
+use crate::mode::{Context, Exit, Handover, Notice, Setpoints};
 use crate::param::Params;
 use crate::scalar::Scalar;
-use crate::signal::{Event, EventQueue};
-use crate::supervisor::Mode;
 use crate::time::OUTER_DT;
 
 /// Height of the hover over the anchor, m, unless the link is too short for it.
@@ -42,7 +41,7 @@ const SLACK_START: f32 = 0.5;
 
 /// Configuration.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct SlackHoverPlan<S> {
+pub(crate) struct SlackHoverPlan<S> {
     calibration: ThrustCalibration<S>,
     height: S,
 }
@@ -107,34 +106,32 @@ impl<S: Scalar> SlackHover<S> {
     }
 }
 
-impl<S: Scalar> Vehicle<S> {
-    /// A take-off from inside the sphere of a fixed link is slack until it gets there.
-    pub(super) fn takes_off_slack(&self) -> bool {
-        self.state.mode == Mode::Takeoff && self.config.slack_hover.is_some()
-    }
-
-    /// Flies hover and way out; true while they last. On the ground the caller's thrust ramp goes on.
-    pub(super) fn hover_slack(&mut self, events: &mut EventQueue) -> bool {
-        let (Some(plan), Some(mut hover)) = (self.config.slack_hover, self.state.slack_hover)
-        else {
-            return false;
+impl<S: Scalar> Takeoff<S> {
+    /// Flies hover and way out while they last. On the ground, and afterwards, the caller's thrust ramp goes on.
+    pub(super) fn hover_slack(
+        &mut self,
+        handover: &mut Handover<S>,
+        tension: S,
+        cx: &Context<'_, S>,
+    ) -> Result<Option<Setpoints<S>>, Exit> {
+        let (Some(plan), Some(hover)) = (&cx.config.modes.slack_hover, &mut self.slack) else {
+            return Ok(None);
         };
-        let dt = S::lit(OUTER_DT);
-        let state = &mut self.state;
-        let estimate = &state.estimate;
+        let estimate = &cx.situation.estimate;
         if hover.stage == Stage::Ground {
-            let ground = self.config.touch_down.ground_height;
+            let ground = cx.config.touch_down.ground_height;
             if estimate.height < ground + S::lit(LIFTED) {
-                return false;
+                return Ok(None);
             }
             hover.stage = Stage::Hover;
             let lift = estimate.thrust * estimate.attitude.cos_tilt();
-            state.climb = self.config.climb.holding(lift);
+            handover.climb = cx.config.climb.holding(lift);
         }
+        let dt = S::lit(OUTER_DT);
         hover.time += dt;
-        let accel = state.estimator.average().accel;
+        let accel = cx.situation.estimator.average().accel;
         let force = estimate.attitude.to_world(accel).0;
-        let (sin, cos) = state.yaw.sin_cos();
+        let (sin, cos) = handover.heading.sin_cos();
         let [along, across] = &mut hover.velocity;
         *along += (force.x * cos + force.y * sin) * dt;
         *across += (force.y * cos - force.x * sin) * dt;
@@ -149,12 +146,11 @@ impl<S: Scalar> Vehicle<S> {
 
         let error = hover.height - estimate.height;
         let wanted = (error * S::lit(CLIMB_GAIN)).limit_abs(S::lit(CLIMB_MAX));
-        let up = self.config.climb.step(&mut state.climb, wanted, estimate.climb, dt);
-        let mass = self.config.mass;
+        let up = cx.config.climb.step(&mut handover.climb, wanted, estimate.climb, dt);
+        let mass = cx.config.mass;
         let asked =
             V3::new((ahead * cos - right * sin) * mass, (ahead * sin + right * cos) * mass, -up);
-        let command = self.config.attitude.step(&World(asked), &estimate.attitude, state.yaw);
-        state.attitude = command;
+        let attitude = cx.thrust(asked, handover.heading);
 
         // What neither thrust nor weight explains, along the nose.
         let thrust =
@@ -167,37 +163,30 @@ impl<S: Scalar> Vehicle<S> {
         let is_there = error.abs() < S::lit(CLOSE)
             && estimate.climb.abs() < S::lit(SLOW)
             && hover.pull.abs() < S::lit(0.5 * PULL);
-        let mut result = None;
+        let mut notice = None;
         if hover.stage == Stage::Hover && is_there {
             let lift = -accel.0.z;
-            result = plan.calibration.step(&mut hover.calibration, lift, estimate.thrust);
+            notice = plan.calibration.step(&mut hover.calibration, lift, estimate.thrust).map(
+                |result| match result {
+                    Calibrated::Ratio(ratio) => Notice::ThrustRatio(ratio),
+                    Calibrated::Implausible => {
+                        Notice::Warning("Thrust not calibrated: implausible")
+                    }
+                },
+            );
         }
-        let is_late = hover.time > S::lit(PATIENCE);
-        if result.is_some() {
+        if notice.is_some() {
             hover.stage = Stage::Out;
         }
-        let is_taut = hover.pulled > S::lit(PULL_TIME);
-        if is_taut && hover.stage == Stage::Hover {
-            events.push(Event::warning("Thrust not calibrated: link is taut"));
+        if hover.time > S::lit(PATIENCE) {
+            return Err(Exit::slack("Take-off failed: link does not get taut"));
         }
-        state.slack_hover = (!is_taut && !is_late).then_some(hover);
-        match result {
-            Some(Calibrated::Ratio(ratio)) => {
-                self.params.thrust_scale =
-                    (self.params.thrust_scale * ratio.to_f32()).clamp(0.5, 1.5);
-                self.config.set_thrust_scale(self.params.thrust_scale);
-                self.state.echo = Params::index_of(b"THR_SCALE");
-                events.push(Event::info("Thrust calibrated in slack hover"));
+        if hover.pulled > S::lit(PULL_TIME) {
+            if hover.stage == Stage::Hover {
+                notice = Some(Notice::Warning("Thrust not calibrated: link is taut"));
             }
-            Some(Calibrated::Implausible) => {
-                events.push(Event::warning("Thrust not calibrated: implausible"));
-            }
-            None => {}
+            self.slack = None;
         }
-        if is_late {
-            events.push(Event::critical("Take-off failed: link does not get taut"));
-            self.enter(Mode::Descent);
-        }
-        true
+        Ok(Some(Setpoints { attitude, notice, ..cx.unchanged(tension) }))
     }
 }

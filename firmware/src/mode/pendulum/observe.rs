@@ -1,15 +1,14 @@
 //! The observer in the delayed past, and its belief carried to the present.
 
-use super::PendulumMode;
+use super::PendulumConfig;
 use crate::estimate::capture::MEMORY;
 use crate::estimate::pendulum::{PendulumEstimate, PendulumObserverState, PendulumReading};
 use crate::frames::{V3, World};
 use crate::math::history::History;
 use crate::math::so3;
 use crate::scalar::Scalar;
-use crate::signal::Sensors;
-use crate::time::{Micros, OUTER_DT};
-use crate::vehicle::Vehicle;
+use crate::signal::Estimate;
+use crate::time::{Micros, OUTER_DT, Sample};
 
 /// First and longest period of the samples that counts, s.
 const PERIOD: f64 = 0.01;
@@ -25,7 +24,7 @@ struct Past<S: Scalar> {
 
 /// Observer of a rod that is seen.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::vehicle) struct RodWatch<S: Scalar> {
+pub(crate) struct RodWatch<S: Scalar> {
     observer: PendulumObserverState<S>,
     past: History<Past<S>, MEMORY>,
     /// Now.
@@ -45,72 +44,79 @@ impl<S: Scalar> RodWatch<S> {
     }
 }
 
-impl<S: Scalar> Vehicle<S> {
+/// What the observer needs of the rest of the estimate.
+fn reading<S: Scalar>(estimate: &Estimate<S>, past: &Past<S>) -> Option<PendulumReading<S>> {
+    Some(PendulumReading {
+        rod: None,
+        rod_period: S::lit(PERIOD),
+        position: estimate.position?,
+        velocity: estimate.velocity?,
+        down: World(past.down),
+        thrust: past.thrust,
+    })
+}
+
+impl<S: Scalar> Past<S> {
+    fn of(estimate: &Estimate<S>) -> Self {
+        Self { down: so3::col_z(&estimate.attitude.0), thrust: estimate.thrust }
+    }
+}
+
+impl<S: Scalar> PendulumConfig<S> {
     /// Notes a direction that arrived.
-    pub(in crate::vehicle) fn see_rod(&mut self, sensors: &Sensors<S>) {
-        let Some(sample) = sensors.rod else { return };
-        if let Some(watch) = &mut self.state.rod {
+    pub fn receive(
+        &self,
+        watch: &mut Option<RodWatch<S>>,
+        sample: &Sample<World<V3<S>>>,
+        estimate: &Estimate<S>,
+    ) {
+        if let Some(watch) = watch {
             let period = S::from_f32(sample.at.seconds_since(watch.at));
             watch.period = period.limit(S::lit(1e-3), S::lit(PERIOD_MAX));
             watch.waiting = Some(sample.value);
             watch.at = sample.at;
         } else {
-            self.state.rod = self.start_watch(&sample.value, sample.at);
+            *watch = self.start(&sample.value, sample.at, estimate);
         }
     }
 
-    fn as_of_now(&self) -> Past<S> {
-        Past {
-            down: so3::col_z(&self.state.estimate.attitude.0),
-            thrust: self.state.estimate.thrust,
-        }
-    }
-
-    fn reading(&self, past: &Past<S>) -> Option<PendulumReading<S>> {
-        let estimate = &self.state.estimate;
-        Some(PendulumReading {
-            rod: None,
-            rod_period: S::lit(PERIOD),
-            position: estimate.position?,
-            velocity: estimate.velocity?,
-            down: World(past.down),
-            thrust: past.thrust,
-        })
-    }
-
-    fn start_watch(&self, rod: &World<V3<S>>, at: Micros) -> Option<RodWatch<S>> {
-        let mode = self.config.pendulum.as_ref()?;
-        let now = self.as_of_now();
-        let z = PendulumReading { rod: Some(*rod), ..self.reading(&now)? };
-        let (observer, estimate) = mode.observer.start(&z)?;
+    fn start(&self, rod: &World<V3<S>>, at: Micros, estimate: &Estimate<S>) -> Option<RodWatch<S>> {
+        let now = Past::of(estimate);
+        let z = PendulumReading { rod: Some(*rod), ..reading(estimate, &now)? };
+        let (observer, estimate) = self.observer.start(&z)?;
         let past = History::constant(now);
         let (age, period) = (S::zero(), S::lit(PERIOD));
         Some(RodWatch { observer, past, estimate, age, at, waiting: None, period })
     }
 
     /// One outer step of the observer; it ends where directions or positions do.
-    pub(in crate::vehicle) fn observe_rod(&mut self, now: Micros) {
-        let Some(mut watch) = self.state.rod else { return };
-        self.state.rod = None;
-        let present = self.as_of_now();
-        let Some(mode) = &self.config.pendulum else { return };
-        if !watch.is_fresh(mode.timeout_us, now) {
-            return;
+    pub fn observe(&self, slot: &mut Option<RodWatch<S>>, estimate: &Estimate<S>, now: Micros) {
+        let Some(watch) = slot else { return };
+        if self.observe_one(watch, estimate, now).is_none() {
+            *slot = None;
         }
-        watch.past.push(present);
-        let then = watch.past.ago(mode.delay).copied().unwrap_or(present);
-        let Some(z) = self.reading(&then) else { return };
-        let z = PendulumReading { rod: watch.waiting.take(), rod_period: watch.period, ..z };
-        let Ok(estimate) = mode.observer.step(&mut watch.observer, &z, S::lit(OUTER_DT)) else {
-            return;
-        };
-        watch.age += S::lit(OUTER_DT);
-        watch.estimate = mode.present(estimate, &z, &watch.past);
-        self.state.rod = Some(watch);
     }
-}
 
-impl<S: Scalar> PendulumMode<S> {
+    fn observe_one(
+        &self,
+        watch: &mut RodWatch<S>,
+        estimate: &Estimate<S>,
+        now: Micros,
+    ) -> Option<()> {
+        if !watch.is_fresh(self.timeout_us, now) {
+            return None;
+        }
+        let present = Past::of(estimate);
+        watch.past.push(present);
+        let then = watch.past.ago(self.delay).copied().unwrap_or(present);
+        let z = reading(estimate, &then)?;
+        let z = PendulumReading { rod: watch.waiting.take(), rod_period: watch.period, ..z };
+        let seen = self.observer.step(&mut watch.observer, &z, S::lit(OUTER_DT)).ok()?;
+        watch.age += S::lit(OUTER_DT);
+        watch.estimate = self.present(seen, &z, &watch.past);
+        Some(())
+    }
+
     /// The estimate of the delayed past, carried on with the thrust since.
     fn present(
         &self,

@@ -3,10 +3,11 @@
 use crate::estimate::pendulum::PendulumEstimate;
 use crate::frames::{V3, World};
 use crate::math::so3;
+use crate::mode::plan::SAME_PLACE;
+use crate::mode::{Refusal, rejected};
 use crate::scalar::Scalar;
 use crate::signal::LoadReference;
 use crate::trajectory::load::{FadeIn, LoadMove, TiltedCircle};
-use crate::vehicle::requests::{Refusal, SAME_PLACE, rejected};
 
 /// Peak slope of the C5 step: peak speed is this times distance over duration.
 const PEAK_SLOPE: f64 = 2.707;
@@ -24,7 +25,7 @@ enum Shape<S: Scalar> {
 
 /// A reference under way.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::vehicle) struct LoadPath<S: Scalar> {
+pub(super) struct LoadPath<S: Scalar> {
     shape: Shape<S>,
     fade: FadeIn<S>,
     /// Since the shape began and since entry, s.

@@ -7,11 +7,13 @@
 mod observe;
 mod path;
 
-pub(super) use observe::RodWatch;
-pub(super) use path::LoadPath;
+pub(crate) use observe::RodWatch;
+use path::LoadPath;
 
-use super::Vehicle;
-use super::requests::{Refusal, check_heading, denied, rejected};
+use super::refusal::check_heading;
+use super::{
+    Context, Entry, Exit, FlightMode, Handover, ModeReport, Refusal, Setpoints, denied, rejected,
+};
 use crate::control::AttitudeCommand;
 use crate::control::pendulum::{
     PendulumCommand, PendulumControl, PendulumGains, PendulumLimits, PendulumMemory,
@@ -26,9 +28,8 @@ use crate::math::wrap_pi;
 use crate::model::{LinkKind, PendulumModel};
 use crate::param::Params;
 use crate::scalar::Scalar;
-use crate::signal::{Event, EventQueue, FlightReference, LoadReference};
-use crate::supervisor::Mode;
-use crate::time::{Micros, OUTER_DT};
+use crate::signal::{Action, FlightReference, LoadReference};
+use crate::time::OUTER_DT;
 use crate::trajectory::load::TiltedCircle;
 
 /// The observer must have run this long, s, and the rod be this slow, rad/s, at entry.
@@ -41,7 +42,7 @@ const CONTROL_EVERY: u8 = 2;
 
 /// Configuration.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct PendulumMode<S: Scalar> {
+pub(crate) struct PendulumConfig<S: Scalar> {
     pub observer: PendulumObserver<S>,
     control: PendulumControl<S>,
     circle: TiltedCircle<S>,
@@ -60,9 +61,9 @@ pub(super) struct PendulumMode<S: Scalar> {
 
 /// What moves in the mode.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct PendulumFlight<S: Scalar> {
-    pub path: LoadPath<S>,
-    pub reference: LoadReference<S>,
+pub(super) struct Pendulum<S: Scalar> {
+    path: LoadPath<S>,
+    reference: LoadReference<S>,
     memory: PendulumMemory<S>,
     command: PendulumCommand<S>,
     /// Law refused this many times in a row.
@@ -96,7 +97,7 @@ fn gains<S: Scalar>(p: &Params) -> PendulumGains<S> {
 }
 
 /// Whether the gains are those of a proof at hover, for the operator: `None` if so.
-pub(super) fn gain_warning(p: &Params) -> Option<&'static str> {
+pub(crate) fn gain_warning(p: &Params) -> Option<&'static str> {
     let conditions = gains::<f32>(p).conditions();
     if p.pendulum_beta >= conditions.coupling_limit {
         return Some("Pendulum off: PND_BETA too large for PND_KP, PND_KV");
@@ -105,7 +106,7 @@ pub(super) fn gain_warning(p: &Params) -> Option<&'static str> {
     (!is_proven).then_some("Pendulum: PND_KQ too small for a proof at hover")
 }
 
-impl<S: Scalar> PendulumMode<S> {
+impl<S: Scalar> PendulumConfig<S> {
     /// From the parameters; `None` on a tether or with gains without any proof.
     pub fn new(p: &Params) -> Option<Self> {
         let is_free = LinkKind::from_parameter(p.tether_kind).is_free();
@@ -151,134 +152,141 @@ impl<S: Scalar> PendulumMode<S> {
     }
 }
 
-impl<S: Scalar> Vehicle<S> {
-    pub(super) fn request_pendulum(&mut self, now: Micros) -> Result<(), Refusal> {
-        let Some(mode) = &self.config.pendulum else {
-            let text = gain_warning(&self.params).filter(|_| self.config.kind.is_free());
+impl<S: Scalar> FlightMode<S> for Pendulum<S> {
+    fn enter(
+        _entry: &Entry,
+        _handover: &mut Handover<S>,
+        cx: &Context<'_, S>,
+    ) -> Result<Self, Refusal> {
+        let Some(config) = &cx.config.modes.pendulum else {
+            let text = gain_warning(cx.params).filter(|_| cx.config.kind.is_free());
             return Err(denied(text.unwrap_or("Mode refused: needs TET_KIND 4, free flight")));
         };
-        let Some(watch) = self.state.rod.filter(|rod| rod.is_fresh(mode.timeout_us, now)) else {
+        let situation = cx.situation;
+        let Some(watch) =
+            situation.rod.as_ref().filter(|rod| rod.is_fresh(config.timeout_us, cx.now))
+        else {
             return Err(rejected("Mode refused: no direction of the rod"));
         };
-        if !self.state.estimator.is_airborne() {
+        if !situation.estimator.is_airborne() {
             return Err(rejected("Mode refused: not in the air"));
         }
         let x = watch.estimate;
-        if -x.rod.0.z < mode.cos_cone {
+        if -x.rod.0.z < config.cos_cone {
             return Err(rejected("Mode refused: rod not upright (PND_CONE)"));
         }
         let is_slow = crate::math::so3::norm(&x.rod_rate.0) < S::lit(SLOW);
         if watch.age < S::lit(CONVERGED) || !is_slow {
             return Err(rejected("Mode refused: rod not at rest yet"));
         }
-        let dip = if mode.speed > S::zero() { mode.rise } else { S::zero() };
-        if -x.position.0.z - dip < self.lowest_load() {
+        let dip = if config.speed > S::zero() { config.rise } else { S::zero() };
+        if -x.position.0.z - dip < lowest_load(cx.params) {
             return Err(rejected("Mode refused: too near the ground"));
         }
-        let path = LoadPath::enter(&x, &mode.circle, mode.speed, mode.soft_start);
-        let thrust = self.state.estimate.thrust;
-        self.enter(Mode::Pendulum);
-        self.state.pendulum_flight = Some(PendulumFlight {
+        let path = LoadPath::enter(&x, &config.circle, config.speed, config.soft_start);
+        Ok(Self {
             reference: path.now(),
             path,
             memory: PendulumMemory::default(),
             command: PendulumCommand {
-                thrust,
+                thrust: situation.estimate.thrust,
                 rate: Body(V3::zeros()),
                 down: V3::new(S::zero(), S::zero(), S::one()),
                 force: V3::zeros(),
             },
             refused: 0,
             ticks: 0,
-        });
-        Ok(())
+        })
+    }
+
+    fn step(
+        &mut self,
+        handover: &mut Handover<S>,
+        cx: &Context<'_, S>,
+    ) -> Result<Setpoints<S>, Exit> {
+        let tension = cx.tension_in_flight(handover);
+        let Some(config) = &cx.config.modes.pendulum else {
+            return Err(Exit::failed("Pendulum ended: hovering"));
+        };
+        let situation = cx.situation;
+        let fresh = situation.rod.as_ref().filter(|rod| rod.is_fresh(config.timeout_us, cx.now));
+        let Some(watch) = fresh.filter(|_| situation.estimate.position.is_some()) else {
+            return Err(Exit::failed("Motion capture stale: hovering"));
+        };
+        let x = &watch.estimate;
+        if -x.rod.0.z < config.cos_tilt_max {
+            return Err(Exit::failed("Pendulum fell: hovering"));
+        }
+        self.reference = self.path.step(S::lit(OUTER_DT));
+        let off = x.position.0 - self.reference.position().0;
+        if self.path.has_settled() && crate::math::so3::norm(&off) > config.error_max {
+            return Err(Exit::failed("Pendulum too far off: hovering"));
+        }
+        let attitude = &situation.estimate.attitude;
+        if self.ticks == 0 {
+            match config.control.step(&mut self.memory, x, attitude, &self.reference) {
+                Ok(command) => {
+                    self.command = command;
+                    self.refused = 0;
+                }
+                // One step on the last command, then out.
+                Err(_) if self.refused == 0 => self.refused = 1,
+                Err(_) => return Err(Exit::failed("Pendulum law refused: hovering")),
+            }
+        }
+        self.ticks = (self.ticks + 1) % CONTROL_EVERY;
+        let heading = handover.heading;
+        let (.., yaw) = attitude.euler();
+        let turn = (wrap_pi(heading - yaw) * config.yaw_gain).limit_abs(config.yaw_rate_max);
+        let mut rate = self.command.rate;
+        rate.0.z = turn;
+        let length = config.observer.filter.model.length;
+        let below = |load: World<V3<S>>| World(load.0 + V3::new(S::zero(), S::zero(), length));
+        let reference = FlightReference {
+            position: below(self.reference.position()),
+            velocity: self.reference.velocity(),
+            yaw: heading,
+            tension: S::zero(),
+        };
+        let thrust = self.command.thrust;
+        Ok(Setpoints {
+            attitude: AttitudeCommand { rate, accel: Body(V3::zeros()), thrust },
+            reference: Some(reference),
+            ..cx.unchanged(tension)
+        })
     }
 
     /// Moves the place where the load stays.
-    pub(super) fn move_load(
+    fn command(
         &mut self,
-        ned: [Option<f32>; 3],
-        yaw: Option<f32>,
+        handover: &mut Handover<S>,
+        action: &Action,
+        cx: &Context<'_, S>,
     ) -> Result<(), Refusal> {
-        check_heading(yaw)?;
-        let lowest = self.lowest_load().to_f32();
-        let Some(flight) = &mut self.state.pendulum_flight else {
-            return Err(rejected("Move refused: not in Pendulum"));
+        let Action::MoveTo { ned, yaw } = *action else {
+            return Err(super::refusal::not_here(action));
         };
-        if ned.iter().flatten().any(|x| x.is_nan() || x.abs() > self.params.length_max) {
+        check_heading(yaw)?;
+        if ned.iter().flatten().any(|x| x.is_nan() || x.abs() > cx.params.length_max) {
             return Err(denied("Move refused: out of range"));
         }
         let [.., down] = ned;
-        if down.is_some_and(|down| -down < lowest) {
+        if down.is_some_and(|down| -down < lowest_load::<S>(cx.params).to_f32()) {
             return Err(denied("Move refused: vehicle too near the ground"));
         }
-        flight.path.go(ned.map(|x| x.map(S::from_f32)))?;
+        self.path.go(ned.map(|x| x.map(S::from_f32)))?;
         if let Some(yaw) = yaw {
-            self.state.yaw = S::from_f32(yaw);
+            handover.heading = S::from_f32(yaw);
         }
         Ok(())
     }
 
-    /// Least height of the load that keeps the vehicle below it off the ground, m.
-    fn lowest_load(&self) -> S {
-        let p = &self.params;
-        S::from_f32(p.pendulum_length + p.ground_height + CLEARANCE)
+    fn report(&self) -> ModeReport<S> {
+        ModeReport { load: Some(self.reference), ..ModeReport::default() }
     }
+}
 
-    fn leave_pendulum(&mut self, text: &'static str, events: &mut EventQueue) {
-        events.push(Event::critical(text));
-        self.enter(Mode::TetherHold);
-        self.stay();
-        self.fly_position(events);
-    }
-
-    pub(super) fn fly_pendulum(&mut self, now: Micros, events: &mut EventQueue) {
-        let (Some(mode), Some(mut flight)) = (&self.config.pendulum, self.state.pendulum_flight)
-        else {
-            return self.leave_pendulum("Pendulum ended: hovering", events);
-        };
-        let dt = S::lit(OUTER_DT);
-        let fresh = self.state.rod.filter(|rod| rod.is_fresh(mode.timeout_us, now));
-        let Some(watch) = fresh.filter(|_| self.state.estimate.position.is_some()) else {
-            return self.leave_pendulum("Motion capture stale: hovering", events);
-        };
-        let x = watch.estimate;
-        if -x.rod.0.z < mode.cos_tilt_max {
-            return self.leave_pendulum("Pendulum fell: hovering", events);
-        }
-        flight.reference = flight.path.step(dt);
-        let off = x.position.0 - flight.reference.position().0;
-        if flight.path.has_settled() && crate::math::so3::norm(&off) > mode.error_max {
-            return self.leave_pendulum("Pendulum too far off: hovering", events);
-        }
-        let attitude = self.state.estimate.attitude;
-        if flight.ticks == 0 {
-            match mode.control.step(&mut flight.memory, &x, &attitude, &flight.reference) {
-                Ok(command) => {
-                    flight.command = command;
-                    flight.refused = 0;
-                }
-                // One step on the last command, then out.
-                Err(_) if flight.refused == 0 => flight.refused = 1,
-                Err(_) => return self.leave_pendulum("Pendulum law refused: hovering", events),
-            }
-        }
-        flight.ticks = (flight.ticks + 1) % CONTROL_EVERY;
-        let (.., yaw) = attitude.euler();
-        let turn = (wrap_pi(self.state.yaw - yaw) * mode.yaw_gain).limit_abs(mode.yaw_rate_max);
-        let mut rate = flight.command.rate;
-        rate.0.z = turn;
-        let state = &mut self.state;
-        let length = mode.observer.filter.model.length;
-        let below = |load: World<V3<S>>| World(load.0 + V3::new(S::zero(), S::zero(), length));
-        state.reference = Some(FlightReference {
-            position: below(flight.reference.position()),
-            velocity: flight.reference.velocity(),
-            yaw: state.yaw,
-            tension: S::zero(),
-        });
-        let thrust = flight.command.thrust;
-        state.attitude = AttitudeCommand { rate, accel: Body(V3::zeros()), thrust };
-        state.pendulum_flight = Some(flight);
-    }
+/// Least height of the load that keeps the vehicle below it off the ground, m.
+fn lowest_load<S: Scalar>(p: &Params) -> S {
+    S::from_f32(p.pendulum_length + p.ground_height + CLEARANCE)
 }

@@ -1,12 +1,9 @@
 //! Parameters → configuration of every block. Made anew when a parameter changes; no state in it.
 
-use super::pendulum::PendulumMode;
-use super::slack_hover::SlackHoverPlan;
-use super::taut::Taut;
-use super::tether_angle::AngleMode;
 use crate::control::{AttitudeLoop, ClimbLoop, Link, Mixer, PositionLoop, RateLoop, ThrustMap};
 use crate::estimate::TetherEstimator;
 use crate::math::GRAVITY;
+use crate::mode::ModeConfig;
 use crate::model::LinkKind;
 use crate::param::Params;
 use crate::scalar::Scalar;
@@ -15,7 +12,7 @@ use crate::supervisor::{Failsafes, TouchDown};
 use crate::trajectory::Planner;
 
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Config<S: Scalar> {
+pub(crate) struct Config<S: Scalar> {
     pub sense: Sense<S>,
     pub estimator: TetherEstimator<S>,
     pub planner: Planner<S>,
@@ -29,10 +26,7 @@ pub(super) struct Config<S: Scalar> {
     pub touch_down: TouchDown<S>,
     pub link: Link,
     pub kind: LinkKind,
-    pub taut: Option<Taut<S>>,
-    pub angle: Option<AngleMode<S>>,
-    pub pendulum: Option<PendulumMode<S>>,
-    pub slack_hover: Option<SlackHoverPlan<S>>,
+    pub modes: ModeConfig<S>,
     pub mass: S,
     pub weight: S,
     pub thrust_scale: S,
@@ -83,10 +77,7 @@ impl<S: Scalar> Config<S> {
                 _ => Link::FixedLength,
             },
             kind,
-            taut: Taut::new(p).filter(|_| !kind.is_free()),
-            angle: AngleMode::new(p),
-            pendulum: PendulumMode::new(p),
-            slack_hover: SlackHoverPlan::new(p, kind == LinkKind::Cable),
+            modes: ModeConfig::new(p),
             mass: f(p.mass),
             weight,
             thrust_scale: believable(p.thrust_scale),

@@ -1,0 +1,131 @@
+//! What a mode may read of the vehicle.
+
+use super::Handover;
+use super::pendulum::RodWatch;
+use super::setpoints::Setpoints;
+use crate::config::Config;
+use crate::control::{AttitudeCommand, Link};
+use crate::estimate::TetherEstimatorState;
+use crate::estimate::taut::TautEstimatorState;
+use crate::frames::{Body, V3, World};
+use crate::param::Params;
+use crate::scalar::Scalar;
+use crate::signal::{Estimate, Imu, MixerReport, Sensors, Sticks};
+use crate::supervisor::GroundState;
+use crate::time::{Micros, OUTER_DT, Sample};
+
+/// Slew of the tension set-point, N/s.
+const TENSION_RISE: f64 = 3.0;
+const TENSION_FALL: f64 = 2.0;
+/// A joystick that was silent this long is not there.
+pub(crate) const STICKS_TIMEOUT_US: u64 = 1_000_000;
+
+/// What the vehicle keeps up to date for the modes.
+#[derive(Clone, Debug)]
+pub(crate) struct Situation<S: Scalar> {
+    pub estimator: TetherEstimatorState<S>,
+    pub estimate: Estimate<S>,
+    pub smoothed: Option<Smoothed<S>>,
+    pub taut: TautEstimatorState<S>,
+    /// While a rod on top is seen.
+    pub rod: Option<RodWatch<S>>,
+    pub sticks: Option<Sample<Sticks>>,
+    pub armed_at: Option<Micros>,
+    pub mixer: MixerReport,
+    /// Of the last step.
+    pub setpoints: Setpoints<S>,
+}
+
+impl<S: Scalar> Situation<S> {
+    /// Inertial readings of the last outer step, bias removed.
+    pub fn inertial_mean(&self) -> Imu<S> {
+        let average = self.estimator.average();
+        let gyro = Body(average.gyro.0 - self.estimate.gyro_bias.0);
+        Imu { gyro, accel: average.accel }
+    }
+}
+
+/// Estimate behind the position loop's low-pass.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Smoothed<S: Scalar> {
+    pub position: World<V3<S>>,
+    pub velocity: World<V3<S>>,
+    pub tension: S,
+}
+
+/// Read access to the vehicle, for one call.
+pub(crate) struct Context<'a, S: Scalar> {
+    pub now: Micros,
+    pub params: &'a Params,
+    pub config: &'a Config<S>,
+    pub sensors: &'a Sensors<S>,
+    pub situation: &'a Situation<S>,
+}
+
+/// What a mode wants of a tether of fixed length.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum FixedPull {
+    /// The operator's tension.
+    Full,
+    /// Just taut, gently.
+    Floor,
+    /// Just taut, at once.
+    FloorNow,
+}
+
+impl<S: Scalar> Context<'_, S> {
+    pub fn ground(&self) -> GroundState {
+        self.situation.setpoints.ground
+    }
+
+    /// Armed, and not standing.
+    pub fn is_in_air(&self) -> bool {
+        self.situation.armed_at.is_some() && self.ground() != GroundState::OnGround
+    }
+
+    /// Sticks that somebody holds.
+    pub fn fresh_sticks(&self) -> Option<Sticks> {
+        let fresh = |s: &Sample<Sticks>| self.now.since(s.at) < STICKS_TIMEOUT_US;
+        self.situation.sticks.filter(fresh).map(|s| s.value)
+    }
+
+    /// By the attitude loop: a thrust, N, world axes, and a heading.
+    pub fn thrust(&self, force: V3<S>, heading: S) -> AttitudeCommand<S> {
+        self.config.attitude.step(&World(force), &self.situation.estimate.attitude, heading)
+    }
+
+    /// Nothing new: on the ground, or for this step.
+    pub fn unchanged(&self, tension: S) -> Setpoints<S> {
+        Setpoints { tension, wants_down: false, notice: None, ..self.situation.setpoints }
+    }
+
+    /// Set-points without a place.
+    pub fn placeless(&self, attitude: AttitudeCommand<S>, tension: S) -> Setpoints<S> {
+        Setpoints { attitude, reference: None, ..self.unchanged(tension) }
+    }
+
+    /// Tension for the modes that neither leave the ground nor come down to it, N.
+    pub fn tension_in_flight(&self, handover: &Handover<S>) -> S {
+        let is_flying = self.ground() == GroundState::InAir;
+        let fixed = if is_flying { FixedPull::Full } else { FixedPull::FloorNow };
+        self.tension(handover, is_flying, fixed)
+    }
+
+    /// The next tension set-point on its way, N. The winch pulls gently unless `is_far_out`; a fixed length
+    /// starts from its floor when slack.
+    pub(super) fn tension(&self, handover: &Handover<S>, is_far_out: bool, fixed: FixedPull) -> S {
+        let now = self.situation.setpoints.tension;
+        let is_slack = || self.situation.estimate.tether.is_none_or(|t| !t.is_taut);
+        let target = match self.config.link {
+            Link::Free => return S::zero(),
+            Link::FixedLength if fixed == FixedPull::FloorNow || is_slack() => {
+                return self.config.tension_floor;
+            }
+            Link::FixedLength if fixed == FixedPull::Floor => self.config.tension_floor,
+            Link::Winch if !is_far_out => self.config.tension_low,
+            Link::FixedLength | Link::Winch => handover.tension,
+        };
+        let dt = S::lit(OUTER_DT);
+        now + (target - now).limit(-S::lit(TENSION_FALL) * dt, S::lit(TENSION_RISE) * dt)
+    }
+}

@@ -1,0 +1,32 @@
+//! Why something asked is not done, for the operator.
+
+use crate::signal::{Action, Outcome};
+
+/// How the request ends, and the reason.
+pub(crate) type Refusal = (Outcome, &'static str);
+
+/// Not now.
+pub(crate) const fn rejected(text: &'static str) -> Refusal {
+    (Outcome::Rejected, text)
+}
+
+/// Never with these values.
+pub(crate) const fn denied(text: &'static str) -> Refusal {
+    (Outcome::Denied, text)
+}
+
+/// Of every mode on a taut link.
+pub(crate) const NEEDS_FIXED_LENGTH: Refusal = denied("Mode refused: needs a link of fixed length");
+
+/// The mode does not know this command.
+pub(super) fn not_here(action: &Action) -> Refusal {
+    rejected(match action {
+        Action::MoveTaut { .. } => "Move refused: not in a taut-link mode",
+        _ => "Move refused: not in Tether Hold in the air",
+    })
+}
+
+pub(super) fn check_heading(yaw: Option<f32>) -> Result<(), Refusal> {
+    let is_bad = |yaw: f32| !yaw.is_finite() || yaw.abs() > 100.0;
+    if yaw.is_some_and(is_bad) { Err(denied("Move refused: not a number")) } else { Ok(()) }
+}

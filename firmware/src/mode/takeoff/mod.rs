@@ -1,0 +1,143 @@
+//! Takeoff: thrust up on the ground, level, until the estimator sees the vehicle leave it; then along a plan.
+
+mod slack_hover;
+
+pub(crate) use slack_hover::SlackHoverPlan;
+
+use super::context::FixedPull;
+use super::{
+    Context, Entry, Exit, FlightMode, Handover, Notice, Refusal, Setpoints, denied, plan, rejected,
+};
+use crate::control::{Link, PositionState};
+use crate::frames::{V3, World};
+use crate::scalar::Scalar;
+use crate::signal::SphericalPoint;
+use crate::supervisor::{Failure, GroundState};
+use crate::time::OUTER_DT;
+use slack_hover::SlackHover;
+
+/// Thrust at which the ramp on the ground begins, N.
+const SPOOL_START: f64 = 3.0;
+/// Time after the ramp in which the vehicle must have left the ground, s.
+const SPOOL_GRACE: f64 = 2.0;
+
+/// What moves.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Takeoff<S: Scalar> {
+    /// m over the anchor.
+    altitude: f32,
+    /// Time in the thrust ramp on the ground, s.
+    spool: S,
+    /// Under way; `None` once done.
+    slack: Option<SlackHover<S>>,
+}
+
+impl<S: Scalar> FlightMode<S> for Takeoff<S> {
+    fn enter(
+        entry: &Entry,
+        _handover: &mut Handover<S>,
+        cx: &Context<'_, S>,
+    ) -> Result<Self, Refusal> {
+        if cx.is_in_air() {
+            return Err(denied("Take-off refused: already in the air"));
+        }
+        if cx.situation.estimate.position.is_none() {
+            return Err(rejected("Take-off refused: no position estimate"));
+        }
+        let altitude = entry.altitude.unwrap_or(cx.params.takeoff_altitude);
+        target(altitude, cx).ok_or(denied("Take-off refused: altitude beyond the tether"))?;
+        Ok(Self { altitude, spool: S::zero(), slack: None })
+    }
+
+    fn step(
+        &mut self,
+        handover: &mut Handover<S>,
+        cx: &Context<'_, S>,
+    ) -> Result<Setpoints<S>, Exit> {
+        let is_in_air = cx.ground() == GroundState::InAir;
+        let fixed = if is_in_air { FixedPull::Full } else { FixedPull::FloorNow };
+        let is_far_out = is_in_air && handover.plan.is_last_leg();
+        let tension = cx.tension(handover, is_far_out, fixed);
+        if is_in_air {
+            Ok(self.fly(handover, tension, cx))
+        } else {
+            self.lift(handover, tension, cx)
+        }
+    }
+
+    fn sees_pull(&self, cx: &Context<'_, S>) -> Option<bool> {
+        // From inside the sphere of a fixed link it is slack until it gets there.
+        cx.config.modes.slack_hover.map(|_| true)
+    }
+
+    fn climbs_slack(&self) -> bool {
+        self.slack.is_some()
+    }
+}
+
+impl<S: Scalar> Takeoff<S> {
+    fn fly(&mut self, handover: &mut Handover<S>, tension: S, cx: &Context<'_, S>) -> Setpoints<S> {
+        let asked = plan::fly(handover, tension, cx);
+        let is_done = asked.reference.is_some() && handover.plan.is_done();
+        Setpoints { notice: is_done.then_some(Notice::Complete), ..asked }
+    }
+
+    /// Ramps the thrust up until the vehicle has left the ground.
+    fn lift(
+        &mut self,
+        handover: &mut Handover<S>,
+        tension: S,
+        cx: &Context<'_, S>,
+    ) -> Result<Setpoints<S>, Exit> {
+        if cx.ground() == GroundState::OnGround {
+            self.spool = S::zero();
+            self.slack = cx.config.modes.slack_hover.map(|block| SlackHover::start(&block));
+            handover.position = PositionState::default();
+        }
+        let ground = GroundState::TakingOff;
+        if let Some(asked) = self.hover_slack(handover, tension, cx)? {
+            return Ok(Setpoints { ground, ..asked });
+        }
+        let situation = cx.situation;
+        if let (true, Some(position)) =
+            (situation.estimator.is_airborne(), situation.estimate.position)
+            && let Some(target) = target(self.altitude, cx)
+        {
+            handover.plan = cx.config.planner.takeoff(position, target);
+            return Ok(Setpoints { ground: GroundState::InAir, ..self.fly(handover, tension, cx) });
+        }
+        let (p, weight) = (cx.params, cx.config.weight);
+        self.spool += S::lit(OUTER_DT);
+        let time = S::from_f32(p.spool_time);
+        if self.spool > time + S::lit(SPOOL_GRACE) {
+            return Err(Exit { failure: Failure::NoLiftOff, text: "Take-off failed: no lift-off" });
+        }
+        let full = weight * S::from_f32(p.spool_thrust) + tension;
+        let start = S::lit(SPOOL_START).min(weight * S::lit(0.5));
+        let thrust = start + (full - start) * (self.spool / time).min(S::one());
+        let attitude = cx.thrust(V3::new(S::zero(), S::zero(), -thrust), handover.heading);
+        Ok(Setpoints { attitude, ground, ..cx.unchanged(tension) })
+    }
+}
+
+/// Where a take-off to this altitude ends: straight out along the start heading; free straight up.
+fn target<S: Scalar>(altitude: f32, cx: &Context<'_, S>) -> Option<SphericalPoint<S>> {
+    let p = cx.params;
+    if cx.config.link == Link::Free {
+        let here = cx.situation.estimate.position?.0;
+        let reaches = altitude > p.ground_height && altitude < p.length_max;
+        let above = World(V3::new(here.x, here.y, -S::from_f32(altitude)));
+        return reaches.then(|| SphericalPoint::from_world(&above));
+    }
+    let sin = altitude / p.tether_length;
+    // The negation refuses NaN too.
+    if !(altitude > p.ground_height && sin < 1.0) {
+        return None;
+    }
+    let elevation = libm::asinf(sin);
+    (elevation >= p.elevation_min && elevation <= p.elevation_max).then(|| SphericalPoint {
+        elevation: S::from_f32(elevation),
+        azimuth: S::from_f32(p.start_heading),
+        length: S::from_f32(p.tether_length),
+    })
+}

@@ -1,0 +1,279 @@
+//! Who may change the mode or stop the motors: requests, and the failsafe table. Nothing else does.
+
+use super::{Moment, Vehicle, context};
+use crate::control::Link;
+use crate::mode::{Context, Entry, Exit, Refusal, denied, rejected};
+use crate::scalar::Scalar;
+use crate::signal::{Action, Event, EventQueue, Sensors};
+use crate::supervisor::{
+    ArmingCheck, ArmingFacts, FailsafeAction, FailsafeFacts, FailsafeState, GroundState, Rest,
+};
+use crate::time::Micros;
+
+/// A ground station that was silent this long is not there.
+const LINK_TIMEOUT_US: u64 = 3_000_000;
+/// Throttle that counts as closed.
+const CLOSED_THROTTLE: f32 = 0.05;
+
+impl<S: Scalar> Vehicle<S> {
+    fn link_is_up(&self, now: Micros) -> bool {
+        // No shorter than the silence that counts as loss: a simulator in a hurry stretches that one.
+        let lost = (self.params.link_loss_time * 1e6) as u64;
+        self.state.link_at.is_some_and(|at| now.since(at) < LINK_TIMEOUT_US.max(lost))
+    }
+
+    fn arming_facts(&self, cx: &Context<'_, S>) -> ArmingFacts {
+        let (estimate, p) = (&cx.situation.estimate, &self.params);
+        let is_open = || cx.fresh_sticks().is_none_or(|s| s.throttle > CLOSED_THROTTLE);
+        let pull = if self.config.link == Link::Free { 0.0 } else { p.tension };
+        let weight = p.mass * crate::math::GRAVITY as f32;
+        ArmingFacts {
+            imu: cx.sensors.imu_health,
+            is_levelled: estimate.is_levelled,
+            cos_tilt: estimate.attitude.cos_tilt().to_f32(),
+            altitude_is_fresh: cx.sensors.altitude_is_fresh,
+            tether_is_known: self.tether_is_known(cx.sensors),
+            cell: cx.sensors.battery.map(|battery| battery.cell.to_f32()),
+            cell_low: p.battery_low,
+            link_is_up: self.link_is_up(cx.now),
+            throttle_is_open: self.mode.mode().rule().needs.sticks && is_open(),
+            hover_share: (weight + pull) / (4.0 * p.rotor_thrust_max),
+        }
+    }
+
+    /// Whether there is a position to fly by; on the way up on a slack link there is none yet.
+    fn has_place(&self) -> bool {
+        self.situation.estimate.position.is_some() && !self.mode.climbs_slack()
+    }
+
+    /// As the mode sees it that flies on the link; else as the estimator does.
+    fn link_is_taut(&self, cx: &Context<'_, S>) -> bool {
+        let kind = self.config.kind;
+        let estimated = || cx.situation.estimate.tether.is_none_or(|tether| tether.is_taut);
+        self.mode.sees_pull(cx).unwrap_or_else(|| kind.is_rigid() || kind.is_free() || estimated())
+    }
+
+    fn tether_is_known(&self, sensors: &Sensors<S>) -> bool {
+        sensors.tether_is_fresh || self.config.link != Link::Winch
+    }
+
+    fn failsafe_facts(&self, cx: &Context<'_, S>) -> FailsafeFacts {
+        let estimate = &cx.situation.estimate;
+        FailsafeFacts {
+            mode: self.mode.mode(),
+            cos_tilt: estimate.attitude.cos_tilt().to_f32(),
+            imu: cx.sensors.imu_health,
+            has_diverged: estimate.has_diverged,
+            altitude_is_fresh: cx.sensors.altitude_is_fresh,
+            is_taut: self.link_is_taut(cx),
+            has_capture: !self.config.kind.is_free() || estimate.position.is_some(),
+            tether_is_known: self.tether_is_known(cx.sensors),
+            cell: cx.sensors.battery.map(|battery| battery.cell.to_f32()),
+            link_silence_us: self.state.link_at.map(|at| cx.now.since(at)),
+            sticks_are_up: cx.fresh_sticks().is_some(),
+        }
+    }
+
+    pub(super) fn supervise(&mut self, at: Moment<'_, S>, events: &mut EventQueue) {
+        let cx = self.context(at);
+        let facts = self.failsafe_facts(&cx);
+        let is_armable = ArmingCheck::first_failure(&self.arming_facts(&cx), false).is_none();
+        self.state.is_armable = is_armable;
+        if self.situation.armed_at.is_none() {
+            self.state.failsafe = FailsafeState::default();
+            return;
+        }
+        let (action, announced) =
+            self.config.failsafes.step(&mut self.state.failsafe, &facts, at.now);
+        if let Some(row) = announced {
+            events.push(Event::critical(row.text));
+        }
+        if let Some(action) = action {
+            self.react(action, announced.is_some(), at, events);
+        }
+        self.stop_when_landed(at, events);
+    }
+
+    /// A mode ended by itself: a failure like any other.
+    pub(super) fn leave(&mut self, exit: Exit, at: Moment<'_, S>, events: &mut EventQueue) {
+        events.push(Event::critical(exit.text));
+        let action = self.config.failsafes.raise(&mut self.state.failsafe, exit.failure, at.now);
+        self.react(action, true, at, events);
+    }
+
+    fn react(
+        &mut self,
+        action: FailsafeAction,
+        is_new: bool,
+        at: Moment<'_, S>,
+        events: &mut EventQueue,
+    ) {
+        if self.situation.setpoints.ground == GroundState::OnGround {
+            // After a landing the motors stop by themselves.
+            if action >= FailsafeAction::Land && self.state.landed_at.is_none() {
+                self.disarm(Event::warning("Disarmed: failsafe on the ground"), at, events);
+            }
+            return;
+        }
+        let Some(mode) = action.mode() else {
+            self.disarm(Event::critical("Motors stopped"), at, events);
+            return;
+        };
+        // Landing needs a position; without one, level and down. In free flight a hold hovers until it is back.
+        let hovers = action == FailsafeAction::Hold && self.config.kind.is_free();
+        let needs_place = mode.rule().needs.position && !hovers;
+        let mode = if needs_place && !self.has_place() { FailsafeAction::LEVEL } else { mode };
+        let present = self.mode.mode();
+        // A pilot with sticks in hand may fly on, unless it is the joystick that failed.
+        let is_manual = present.rule().needs.sticks;
+        let (asked, flown) = (FailsafeAction::rank(mode), FailsafeAction::rank(present));
+        if asked > flown && (is_new || !is_manual) {
+            self.change_mode(&Entry::of(mode), at);
+        } else if is_new && asked == 0 && flown == 0 {
+            self.change_mode(&Entry::of(mode), at);
+            // A hold knows this command.
+            let _ = self.command(&Action::Pause, at);
+        }
+    }
+
+    /// Into another mode, which may refuse, and what the estimators need for it. The modes of the failsafe
+    /// table never refuse.
+    fn enter(&mut self, entry: &Entry, at: Moment<'_, S>) -> Result<(), Refusal> {
+        let cx = context!(self, at);
+        let is_in_air = cx.is_in_air();
+        self.mode.enter(entry, &cx)?;
+        let taut = &mut self.situation.taut;
+        taut.forget_sideways();
+        if let (Some(start), Some(config)) = (self.mode.out_of_plane(), &self.config.modes.taut) {
+            config.estimator.watch_sideways(taut, start.azimuth, start.roll);
+        }
+        if is_in_air {
+            self.situation.setpoints.ground =
+                if entry.mode.lands() { GroundState::Landing } else { GroundState::InAir };
+            self.state.contact_ramp = S::one();
+        }
+        Ok(())
+    }
+
+    fn change_mode(&mut self, entry: &Entry, at: Moment<'_, S>) {
+        if entry.mode != self.mode.mode() {
+            let is_entered = self.enter(entry, at).is_ok();
+            debug_assert!(is_entered, "a mode of the failsafe table refused");
+        }
+    }
+
+    /// The mode has done what it was asked.
+    pub(super) fn complete(&mut self, events: &mut EventQueue) {
+        if let Some(text) = self.mode.complete() {
+            events.push(Event::info(text));
+        }
+    }
+
+    /// A mode that somebody asks for.
+    pub(super) fn request_mode(&mut self, entry: &Entry, at: Moment<'_, S>) -> Result<(), Refusal> {
+        let needs = entry.mode.rule().needs;
+        let cx = context!(self, at);
+        let takes_off = entry.mode.rule().then.is_some();
+        if needs.sticks && cx.fresh_sticks().is_none() {
+            return Err(rejected("Mode refused: no joystick"));
+        }
+        if needs.position && !takes_off && !self.has_place() {
+            return Err(rejected("Mode refused: no position estimate"));
+        }
+        if cx.is_in_air() && !takes_off {
+            let is_escape = needs.sticks || entry.mode == FailsafeAction::LEVEL;
+            let lands = Some(entry.mode) == FailsafeAction::Land.mode();
+            match self.config.failsafes.in_force(&self.state.failsafe) {
+                Some(FailsafeAction::Land) if !lands && !is_escape => {
+                    return Err(rejected("Mode refused: failsafe is landing"));
+                }
+                Some(FailsafeAction::Descend | FailsafeAction::Terminate) if !is_escape => {
+                    return Err(rejected("Mode refused: failsafe is descending"));
+                }
+                _ => {}
+            }
+        }
+        if entry.mode == self.mode.mode() && !takes_off {
+            return Ok(());
+        }
+        self.enter(entry, at)?;
+        self.state.failsafe.release();
+        Ok(())
+    }
+
+    pub(super) fn arm(
+        &mut self,
+        force: bool,
+        at: Moment<'_, S>,
+        events: &mut EventQueue,
+    ) -> Result<(), Refusal> {
+        if self.situation.armed_at.is_some() {
+            return Ok(());
+        }
+        let cx = context!(self, at);
+        if let Some(check) = ArmingCheck::first_failure(&self.arming_facts(&cx), force) {
+            return Err(rejected(check.text));
+        }
+        if self.mode.mode().lands() {
+            self.mode.rest(&cx);
+        }
+        if self.config.link == Link::Free {
+            // Nothing points anywhere: as it was put down.
+            let (.., yaw) = cx.situation.estimate.attitude.euler();
+            self.mode.handover_mut().heading = yaw;
+        }
+        self.situation.armed_at = Some(at.now);
+        self.state.landed_at = None;
+        self.situation.setpoints.ground = GroundState::OnGround;
+        self.situation.setpoints.tension = self.config.tension_low;
+        events.push(Event::info("Armed"));
+        Ok(())
+    }
+
+    pub(super) fn disarm_on_request(
+        &mut self,
+        force: bool,
+        at: Moment<'_, S>,
+        events: &mut EventQueue,
+    ) -> Result<(), Refusal> {
+        if self.context(at).is_in_air() && !force {
+            return Err(denied("Disarm refused: in the air"));
+        }
+        if self.situation.armed_at.is_some() {
+            self.disarm(Event::info("Disarmed"), at, events);
+        }
+        Ok(())
+    }
+
+    fn disarm(&mut self, event: Event, at: Moment<'_, S>, events: &mut EventQueue) {
+        let cx = context!(self, at);
+        if self.mode.mode().rule().rest == Rest::EndsWithMotors {
+            self.mode.rest(&cx);
+        }
+        self.situation.taut.forget_sideways();
+        self.situation.armed_at = None;
+        self.situation.setpoints.ground = GroundState::OnGround;
+        self.situation.setpoints.reference = None;
+        events.push(event);
+    }
+
+    fn stop_when_landed(&mut self, at: Moment<'_, S>, events: &mut EventQueue) {
+        let Some(armed_at) = self.situation.armed_at else {
+            return;
+        };
+        if self.situation.setpoints.ground != GroundState::OnGround {
+            return;
+        }
+        match self.state.landed_at {
+            Some(landed) if at.now.seconds_since(landed) > self.params.disarm_delay => {
+                self.disarm(Event::info("Landed, disarmed"), at, events);
+                let cx = context!(self, at);
+                self.mode.rest(&cx);
+            }
+            None if at.now.seconds_since(armed_at) > self.params.preflight_disarm => {
+                self.disarm(Event::info("Disarmed: no take-off"), at, events);
+            }
+            _ => {}
+        }
+    }
+}

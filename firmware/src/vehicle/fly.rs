@@ -1,0 +1,118 @@
+//! The outer loop, 250 times a second: the mode's set-points, and coming to stand on the ground.
+
+use super::{Moment, Vehicle, context};
+use crate::control::{AttitudeCommand, Link, PositionState};
+use crate::frames::{V3, World};
+use crate::mode::{Notice, Smoothed};
+use crate::param::Params;
+use crate::scalar::Scalar;
+use crate::signal::{Event, EventQueue};
+use crate::supervisor::{GroundState, TouchDownInput, TouchDownState};
+use crate::time::OUTER_DT;
+
+/// Low-pass of the estimate before the position loop, per step.
+const SMOOTHING: f64 = 0.05;
+/// On ground contact the thrust runs down in this time, s, unless the vehicle rises this high, m.
+const CONTACT_RAMP: f64 = 0.4;
+const SETTLE_HEIGHT: f64 = 0.3;
+
+impl<S: Scalar> Vehicle<S> {
+    pub(super) fn fly(&mut self, at: Moment<'_, S>, events: &mut EventQueue) {
+        self.smooth();
+        if self.situation.armed_at.is_none() {
+            self.situation.setpoints.reference = None;
+            self.situation.setpoints.attitude = AttitudeCommand::idle();
+            self.mode.handover_mut().position = PositionState::default();
+            self.state.contact_ramp = S::one();
+            self.state.touch_down = TouchDownState::default();
+            return;
+        }
+        let cx = context!(self, at);
+        match self.mode.step(&cx) {
+            Ok(setpoints) => {
+                let was_on_ground = cx.ground() == GroundState::OnGround;
+                if was_on_ground && setpoints.ground != GroundState::OnGround {
+                    self.state.landed_at = None;
+                }
+                self.situation.setpoints = setpoints;
+                if let Some(notice) = setpoints.notice {
+                    self.note(notice, events);
+                }
+            }
+            // One step on the last set-points; whatever the table says flies from the next one on.
+            Err(exit) => self.leave(exit, at, events),
+        }
+        self.touch_down(at);
+    }
+
+    fn note(&mut self, notice: Notice<S>, events: &mut EventQueue) {
+        match notice {
+            Notice::Complete => self.complete(events),
+            Notice::Warning(text) => events.push(Event::warning(text)),
+            Notice::ThrustRatio(ratio) => {
+                let scale = self.params.thrust_scale * ratio.to_f32();
+                self.params.thrust_scale = scale.clamp(0.5, 1.5);
+                self.config.set_thrust_scale(self.params.thrust_scale);
+                self.state.echo = Params::index_of(b"THR_SCALE");
+                events.push(Event::info("Thrust calibrated in slack hover"));
+            }
+        }
+    }
+
+    fn smooth(&mut self) {
+        let situation = &mut self.situation;
+        let estimate = &situation.estimate;
+        let (Some(position), Some(velocity)) = (estimate.position, estimate.velocity) else {
+            situation.smoothed = None;
+            return;
+        };
+        let k = S::lit(SMOOTHING);
+        let tension = estimate.tether.map_or(S::zero(), |tether| tether.tension);
+        // Motion capture is quiet enough as it is.
+        let is_noisy = self.config.link != Link::Free;
+        match &mut situation.smoothed {
+            Some(s) if is_noisy && situation.estimator.is_airborne() => {
+                s.position.0 += (position.0 - s.position.0) * k;
+                s.velocity.0 += (velocity.0 - s.velocity.0) * k;
+                s.tension += (tension - s.tension) * k;
+            }
+            slot => *slot = Some(Smoothed { position, velocity, tension }),
+        }
+    }
+
+    fn touch_down(&mut self, at: Moment<'_, S>) {
+        let (state, estimate) = (&mut self.state, &self.situation.estimate);
+        let setpoints = &mut self.situation.setpoints;
+        if !matches!(setpoints.ground, GroundState::InAir | GroundState::Landing) {
+            return;
+        }
+        let wants_down = setpoints.wants_down;
+        let input = TouchDownInput {
+            wants_down,
+            height: at.sensors.altitude_is_fresh.then_some(estimate.height),
+            climb: estimate.climb,
+            thrust: estimate.thrust,
+            specific_force: state.specific_force,
+        };
+        let dt = S::lit(OUTER_DT);
+        let contact = self.config.touch_down.step(&mut state.touch_down, &input, dt);
+        // Once the ground is felt the thrust runs out, level: the ground's push is in no model, and a
+        // position loop that believes it would hop. Only a clear rise ends that.
+        let has_risen = input
+            .height
+            .is_some_and(|h| h > self.config.touch_down.ground_height + S::lit(SETTLE_HEIGHT));
+        let is_settling = state.contact_ramp < S::one();
+        if has_risen || !wants_down {
+            state.contact_ramp = S::one();
+        } else if contact.touches || is_settling {
+            state.contact_ramp = (state.contact_ramp - dt / S::lit(CONTACT_RAMP)).max(S::zero());
+            let level = World(V3::new(S::zero(), S::zero(), -setpoints.attitude.thrust));
+            let heading = self.mode.handover().heading;
+            setpoints.attitude = self.config.attitude.step(&level, &estimate.attitude, heading);
+        }
+        if wants_down && contact.has_landed {
+            setpoints.ground = GroundState::OnGround;
+            state.landed_at = Some(at.now);
+        }
+    }
+}
