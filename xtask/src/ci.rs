@@ -1,6 +1,6 @@
 //! Everything that must hold before a change lands.
 
-use crate::{Outcome, cost, images, install, params, run, run_with};
+use crate::{Outcome, citations, cost, images, install, params, run, run_with};
 use std::process::Command;
 
 const BOARD: &str = "thumbv7em-none-eabihf";
@@ -16,6 +16,7 @@ pub fn everything() -> Outcome {
     images::lint()?;
     cost::lint()?;
     params::check()?;
+    citations::check()?;
     // The images prove the larger cores; the smallest shall not be lost.
     let smallest = ["check", "--locked", "-p", "tautline-firmware", "-p", "tautline-hal-shim"];
     run("cargo", &[&smallest[..], &["--target", SMALLEST]].concat())?;
@@ -40,6 +41,8 @@ pub fn everything() -> Outcome {
         "tautline-sitl",
         "-p",
         "tautline-tests",
+        "-p",
+        "xtask",
     ];
     run(
         "cargo",

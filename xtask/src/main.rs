@@ -1,6 +1,7 @@
 //! Project tasks. `cargo xtask ci` passes all tests from a fresh clone; the others are its parts.
 
 mod ci;
+mod citations;
 mod cost;
 mod images;
 mod install;
@@ -16,6 +17,7 @@ const USAGE: &str = "usage: cargo xtask TASK
 
   ci             install what is missing, then check everything (what .ci/run runs)
   params         write docs/parameters.md from the parameter table; --check only compares
+  citations      follow every cited section, key of a paper and link between documents
   nopanic        link Vehicle::step with a panic handler that does not exist; walk the images' flight tasks
   clients        the pymavlink and pyulog flights alone
   size           build all images, print flash and static RAM against their limits; --json
@@ -31,6 +33,7 @@ fn main() -> ExitCode {
         ["ci"] => ci::everything(),
         ["params"] => params::write(),
         ["params", "--check"] => params::check(),
+        ["citations"] => citations::check(),
         ["nopanic"] => {
             ci::nopanic().and_then(|()| images::size(false)).and_then(|()| images::walk())
         }
