@@ -1,4 +1,4 @@
-//! What an autopilot says that computes in another scalar, in the scalar of MAVLink and of the log.
+//! Whatever the vehicle computes with, MAVLink, log and simulator read single precision: converted once, in the report.
 
 use crate::estimate::pendulum::PendulumEstimate;
 use crate::estimate::taut::{LateralState, TautEstimate};
@@ -11,7 +11,6 @@ use crate::signal::{
     PlanarReference, Sensors, TetherState, WinchCommand, Wrench,
 };
 use crate::time::Sample;
-use crate::vehicle::{PendulumReport, StepOutput};
 use nalgebra::SMatrix;
 
 /// The same in single precision.
@@ -121,12 +120,7 @@ single! {
     TetherAngleState { belief, slack, prior; mode, is_running }
     TetherAngleEstimate { planes, models, tension, pull }
     PendulumEstimate { position, velocity, rod, rod_rate, disturbance }
-    PendulumReport { estimate, reference }
     Wrench { thrust, torque }
     WinchCommand { tension }
     Actuation { thrusts, throttle, winch; is_armed }
-    StepOutput {
-        sensors, estimate, reference, taut, taut_reference, angle, pendulum, rate_setpoint, wrench, actuation;
-        now, mixer, mode, is_armed, ground, is_armable, failures, reply, events
-    }
 }

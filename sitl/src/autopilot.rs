@@ -46,8 +46,8 @@ impl Autopilot {
     pub fn step(&mut self, input: &StepInput) -> StepOutput {
         match self {
             Self::F32(vehicle) => vehicle.step(input),
-            Self::F64(vehicle) => vehicle.step(input).single(),
-            Self::Q16(vehicle) => vehicle.step(input).single(),
+            Self::F64(vehicle) => vehicle.step(input),
+            Self::Q16(vehicle) => vehicle.step(input),
         }
     }
 

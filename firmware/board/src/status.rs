@@ -2,7 +2,6 @@
 
 use serde::{Deserialize, Serialize};
 use tautline_firmware::math::so3::norm;
-use tautline_firmware::scalar::Scalar;
 use tautline_firmware::signal::PlanarReference;
 use tautline_firmware::supervisor::{GroundState, Mode};
 use tautline_firmware::vehicle::StepOutput;
@@ -44,30 +43,26 @@ pub struct TautPoint {
     pub rests: bool,
 }
 
-fn point<S: Scalar>(reference: PlanarReference<S>) -> TautPoint {
+fn point(reference: PlanarReference<f32>) -> TautPoint {
     let ([elevation, rate, ..], [second, slope, _]) = (reference.elevation, reference.second);
-    let is_small = |x: S| x.to_f32().abs() < REST;
-    TautPoint {
-        elevation: elevation.to_f32(),
-        second: second.to_f32(),
-        rests: is_small(rate) && is_small(slope),
-    }
+    let is_small = |x: f32| x.abs() < REST;
+    TautPoint { elevation: elevation, second: second, rests: is_small(rate) && is_small(slope) }
 }
 
 impl Status {
     /// After this step.
     #[must_use]
-    pub fn of<S: Scalar>(out: &StepOutput<S>) -> Self {
+    pub fn of(out: &StepOutput) -> Self {
         Self {
             custom_mode: out.mode.rule().custom_mode,
             is_armed: out.is_armed,
             is_armable: out.is_armable,
             is_in_air: out.ground == GroundState::InAir,
-            reference_speed: out.reference.map(|r| norm(&r.velocity.0).to_f32()),
+            reference_speed: out.reference.map(|r| norm(&r.velocity.0)),
             taut: out.taut_reference.map(point),
-            height: out.estimate.height.to_f32(),
-            position: out.estimate.position.map(|p| p.0.map(Scalar::to_f32).into()),
-            winch_tension: out.actuation.winch.tension.to_f32(),
+            height: out.estimate.height,
+            position: out.estimate.position.map(|p| p.0.into()),
+            winch_tension: out.actuation.winch.tension,
         }
     }
 

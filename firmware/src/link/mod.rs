@@ -20,7 +20,6 @@ mod telemetry;
 pub use frame::{Frame, MAX_FRAME, Parser};
 
 use crate::param::Params;
-use crate::scalar::Scalar;
 use crate::signal::{Event, Outcome, RawCapture, RawTether, Reply, Request, Sticks};
 use crate::time::{Micros, Sample};
 use crate::vehicle::StepOutput;
@@ -173,7 +172,7 @@ impl Link {
     }
 
     /// Answers, events and whatever telemetry is due.
-    pub fn transmit<S: Scalar>(&mut self, out: &StepOutput<S>, params: &Params, sink: Sink) {
+    pub fn transmit(&mut self, out: &StepOutput, params: &Params, sink: Sink) {
         self.system = params.system_id as u8;
         for event in out.events.iter() {
             if self.events.is_full() {

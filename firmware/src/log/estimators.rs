@@ -1,10 +1,9 @@
 //! What the estimators' topics are made of: ours, named `estimator_<name>`.
 
+use super::flight::SLOW;
 use super::topics::three;
 use super::ulog::record;
 use crate::estimate::tether_angle::{TetherAngleState, plane_angles};
-use crate::scalar::Scalar;
-use crate::vehicle::StepOutput;
 
 record! {
     /// `estimator_ekf4`: health of the four-state filter and its attitude source.
@@ -22,6 +21,19 @@ record! {
         /// The innovation tests failed for too long.
         diverged: bool,
     }
+    topic "estimator_ekf4" every SLOW;
+    of |out| {
+        let e = &out.estimate;
+        Some(Self {
+            timestamp: out.now.0,
+            test_ratio: [e.health.accel, e.health.altitude, e.health.length],
+            position_sd: three(&e.position_sd),
+            gyro_bias: three(&e.gyro_bias.0),
+            thrust: e.thrust,
+            vertical: [e.height, e.climb],
+            diverged: e.has_diverged,
+        })
+}
 }
 record! {
     /// `estimator_taut`: the taut-link observer, and what its modes ask.
@@ -47,6 +59,33 @@ record! {
         /// A taut-link mode flies; without, the set-points mean nothing.
         active: bool,
     }
+    topic "estimator_taut" every SLOW;
+    of |out| {
+        out.taut.as_ref().map(|taut| {
+            let x = &taut.planar;
+            let (azimuth, roll) = taut
+                .lateral
+                .as_ref()
+                .map_or((0.0, 0.0), |lateral| (lateral.azimuth(), lateral.roll()));
+            let (elevation, second) = out.taut_reference.map_or((0.0, 0.0), |reference| {
+                let ([phi, ..], [second, ..]) = (reference.elevation, reference.second);
+                (phi, second)
+            });
+            Self {
+                timestamp: out.now.0,
+                elevation: x.elevation,
+                elevation_rate: x.elevation_rate,
+                pitch: x.pitch,
+                link_force: taut.link_force,
+                residual: taut.residual,
+                azimuth: azimuth,
+                roll: roll,
+                elevation_setpoint: elevation,
+                second_setpoint: second,
+                active: out.taut_reference.is_some(),
+            }
+        })
+}
 }
 
 record! {
@@ -69,6 +108,27 @@ record! {
         /// See `mode_x`.
         mode_y: u8,
     }
+    topic "estimator_tether_angle" every SLOW;
+    of |out| {
+        let angle = out.angle.as_ref()?;
+        let pick = |of: fn(&TetherAngleState<f32>) -> f32| {
+            let [x, y] = &angle.planes;
+            [of(x), of(y)]
+        };
+        let asked = out.reference.map_or([0.0; 2], |r| plane_angles(&r.position));
+        let [mode_x, mode_y] = angle.modes().map(|mode| mode as u8);
+        Some(Self {
+            timestamp: out.now.0,
+            angle: pick(|p| p.belief.x.angle),
+            angle_rate: pick(|p| p.belief.x.rate),
+            tilt: pick(|p| p.belief.x.tilt),
+            angle_sd: pick(|p| p.belief.covariance.m11.sqrt()),
+            angle_setpoint: asked,
+            tension: angle.tension,
+            mode_x,
+            mode_y,
+        })
+}
 }
 record! {
     /// `estimator_pendulum`: the rod on top and its load, world axes, while the rod is seen.
@@ -88,99 +148,8 @@ record! {
         /// Pendulum flies; without, the set-point means nothing.
         active: bool,
     }
-}
-record! {
-    /// A position estimator that runs beside the one that flies.
-    EstimatorPosition {
-        /// North, East, Down from the anchor, m.
-        position: [f32; 3],
-        /// One standard deviation, m; zero where the estimator has none.
-        position_sd: [f32; 3],
-        /// N.
-        tension: f32,
-        /// The tension is on its mirror image, below zero.
-        tension_is_negative: bool,
-    }
-}
-
-impl EstimatorEkf4 {
-    /// The filter's own view.
-    pub fn of<S: Scalar>(out: &StepOutput<S>) -> Self {
-        let e = &out.estimate;
-        Self {
-            timestamp: out.now.0,
-            test_ratio: [
-                e.health.accel.to_f32(),
-                e.health.altitude.to_f32(),
-                e.health.length.to_f32(),
-            ],
-            position_sd: three(&e.position_sd),
-            gyro_bias: three(&e.gyro_bias.0),
-            thrust: e.thrust.to_f32(),
-            vertical: [e.height.to_f32(), e.climb.to_f32()],
-            diverged: e.has_diverged,
-        }
-    }
-}
-
-impl EstimatorTaut {
-    /// `None` on the ground.
-    pub fn of<S: Scalar>(out: &StepOutput<S>) -> Option<Self> {
-        out.taut.as_ref().map(|taut| {
-            let x = &taut.planar;
-            let (azimuth, roll) = taut
-                .lateral
-                .as_ref()
-                .map_or((S::zero(), S::zero()), |lateral| (lateral.azimuth(), lateral.roll()));
-            let (elevation, second) =
-                out.taut_reference.map_or((S::zero(), S::zero()), |reference| {
-                    let ([phi, ..], [second, ..]) = (reference.elevation, reference.second);
-                    (phi, second)
-                });
-            Self {
-                timestamp: out.now.0,
-                elevation: x.elevation.to_f32(),
-                elevation_rate: x.elevation_rate.to_f32(),
-                pitch: x.pitch.to_f32(),
-                link_force: taut.link_force.to_f32(),
-                residual: taut.residual.to_f32(),
-                azimuth: azimuth.to_f32(),
-                roll: roll.to_f32(),
-                elevation_setpoint: elevation.to_f32(),
-                second_setpoint: second.to_f32(),
-                active: out.taut_reference.is_some(),
-            }
-        })
-    }
-}
-
-impl EstimatorTetherAngle {
-    /// `None` outside Tether Angle.
-    pub fn of<S: Scalar>(out: &StepOutput<S>) -> Option<Self> {
-        let angle = out.angle.as_ref()?;
-        let pick = |of: fn(&TetherAngleState<S>) -> S| {
-            let [x, y] = &angle.planes;
-            [of(x).to_f32(), of(y).to_f32()]
-        };
-        let asked = out.reference.map_or([S::zero(); 2], |r| plane_angles(&r.position));
-        let [mode_x, mode_y] = angle.modes().map(|mode| mode as u8);
-        Some(Self {
-            timestamp: out.now.0,
-            angle: pick(|p| p.belief.x.angle),
-            angle_rate: pick(|p| p.belief.x.rate),
-            tilt: pick(|p| p.belief.x.tilt),
-            angle_sd: pick(|p| p.belief.covariance.m11.sqrt()),
-            angle_setpoint: asked.map(Scalar::to_f32),
-            tension: angle.tension.to_f32(),
-            mode_x,
-            mode_y,
-        })
-    }
-}
-
-impl EstimatorPendulum {
-    /// `None` while no rod is seen.
-    pub fn of<S: Scalar>(out: &StepOutput<S>) -> Option<Self> {
+    topic "estimator_pendulum" every SLOW;
+    of |out| {
         let report = out.pendulum.as_ref()?;
         let x = &report.estimate;
         let setpoint = report.reference.as_ref().map(|r| three(&r.position().0));
@@ -194,5 +163,18 @@ impl EstimatorPendulum {
             load_setpoint: setpoint.unwrap_or_default(),
             active: setpoint.is_some(),
         })
+}
+}
+record! {
+    /// A position estimator that runs beside the one that flies.
+    EstimatorPosition {
+        /// North, East, Down from the anchor, m.
+        position: [f32; 3],
+        /// One standard deviation, m; zero where the estimator has none.
+        position_sd: [f32; 3],
+        /// N.
+        tension: f32,
+        /// The tension is on its mirror image, below zero.
+        tension_is_negative: bool,
     }
 }

@@ -3,11 +3,10 @@
 pub use super::estimators::{
     EstimatorEkf4, EstimatorPendulum, EstimatorPosition, EstimatorTaut, EstimatorTetherAngle,
 };
+use super::flight::{FAST, MEDIUM, RARE, SLOW};
 use super::ulog::record;
 use crate::frames::V3;
-use crate::scalar::Scalar;
 use crate::supervisor::{GroundState, Mode};
-use crate::vehicle::StepOutput;
 
 record! {
     /// `sensor_combined`: filtered and calibrated inertial data, body FRD.
@@ -19,6 +18,13 @@ record! {
         /// °C.
         temperature: f32,
     }
+    topic "sensor_combined" every FAST;
+    of |out| out.sensors.imu.map(|imu| Self {
+            timestamp: out.now.0,
+            gyro_rad: three(&imu.value.gyro.0),
+            accelerometer_m_s2: three(&imu.value.accel.0),
+            temperature: out.sensors.imu_temperature,
+        })
 }
 record! {
     /// `vehicle_attitude` and `vehicle_attitude_groundtruth`: body FRD to NED, `[w, x, y, z]`.
@@ -26,6 +32,8 @@ record! {
         /// Unit quaternion.
         q: [f32; 4],
     }
+    topic "vehicle_attitude" every MEDIUM;
+    of |out| Some(Self { timestamp: out.now.0, q: out.estimate.attitude.quaternion() })
 }
 record! {
     /// `vehicle_angular_velocity`: bias removed.
@@ -33,6 +41,8 @@ record! {
         /// rad/s.
         xyz: [f32; 3],
     }
+    topic "vehicle_angular_velocity" every MEDIUM;
+    of |out| Some(Self { timestamp: out.now.0, xyz: three(&out.estimate.rate.0) })
 }
 record! {
     /// `vehicle_local_position` and `vehicle_local_position_groundtruth`: NED from the anchor.
@@ -62,6 +72,28 @@ record! {
         /// An altimeter answers.
         z_valid: bool,
     }
+    topic "vehicle_local_position" every SLOW;
+    of |out| {
+        let e = &out.estimate;
+        let [x, y, z] = e.position.map_or([0.0; 3], |p| three(&p.0));
+        let [vx, vy, vz] = e.velocity.map_or([0.0; 3], |v| three(&v.0));
+        let [sx, sy, sz] = three(&e.position_sd);
+        Some(Self {
+            timestamp: out.now.0,
+            x,
+            y,
+            z,
+            vx,
+            vy,
+            vz,
+            heading: e.attitude.euler().2,
+            eph: libm::hypotf(sx, sy),
+            epv: sz,
+            dist_bottom: e.height,
+            xy_valid: e.position.is_some(),
+            z_valid: out.sensors.altitude_is_fresh,
+        })
+}
 }
 record! {
     /// `vehicle_local_position_setpoint`.
@@ -83,6 +115,13 @@ record! {
         /// Tension, N.
         tension: f32,
     }
+    topic "vehicle_local_position_setpoint" every SLOW;
+    of |out| {
+        out.reference.map(|r| {
+            let ([x, y, z], [vx, vy, vz]) = (three(&r.position.0), three(&r.velocity.0));
+            Self { timestamp: out.now.0, x, y, z, vx, vy, vz, yaw: r.yaw, tension: r.tension }
+        })
+}
 }
 record! {
     /// `vehicle_rates_setpoint`.
@@ -104,6 +143,21 @@ record! {
         /// The mixer moved the total thrust.
         thrust_saturated: bool,
     }
+    topic "vehicle_rates_setpoint" every MEDIUM;
+    of |out| {
+        let [roll, pitch, yaw] = three(&out.rate_setpoint.0);
+        Some(Self {
+            timestamp: out.now.0,
+            roll,
+            pitch,
+            yaw,
+            thrust: out.wrench.thrust,
+            torque: three(&out.wrench.torque.0),
+            tilt_saturated: out.mixer.tilt_is_saturated,
+            yaw_saturated: out.mixer.yaw_is_saturated,
+            thrust_saturated: out.mixer.thrust_is_saturated,
+        })
+}
 }
 record! {
     /// `actuator_motors`: front right, rear left, front left, rear right.
@@ -115,6 +169,13 @@ record! {
         /// To the winch, N.
         winch_tension: f32,
     }
+    topic "actuator_motors" every MEDIUM;
+    of |out| Some(Self {
+            timestamp: out.now.0,
+            control: out.actuation.throttle,
+            thrust: out.actuation.thrusts,
+            winch_tension: out.actuation.winch.tension,
+        })
 }
 record! {
     /// `vehicle_status`.
@@ -132,6 +193,21 @@ record! {
         /// All arming checks pass.
         pre_flight_checks_pass: bool,
     }
+    topic "vehicle_status" every RARE, on change true;
+    of |out| Some(Self {
+            timestamp: out.now.0,
+            arming_state: if out.is_armed { 2 } else { 1 },
+            nav_state: mode_number(out.mode),
+            ground_state: match out.ground {
+                GroundState::OnGround => 0,
+                GroundState::TakingOff => 1,
+                GroundState::InAir => 2,
+                GroundState::Landing => 3,
+            },
+            failsafe: out.failures != 0,
+            failures: out.failures,
+            pre_flight_checks_pass: out.is_armable,
+        })
 }
 record! {
     /// `battery_status`.
@@ -147,6 +223,15 @@ record! {
         /// V, low-passed.
         cell_v: f32,
     }
+    topic "battery_status" every RARE;
+    of |out| out.sensors.battery.map(|b| Self {
+            timestamp: out.now.0,
+            voltage_v: b.voltage,
+            current_a: b.current,
+            remaining: b.remaining,
+            discharged_mah: b.drawn / 3.6,
+            cell_v: b.cell,
+        })
 }
 record! {
     /// `tether_state` and `tether_state_groundtruth`.
@@ -162,162 +247,22 @@ record! {
         /// Not slack.
         taut: bool,
     }
+    topic "tether_state" every SLOW;
+    of |out| out.estimate.tether.map(|t| Self {
+            timestamp: out.now.0,
+            elevation: t.elevation,
+            azimuth: t.azimuth,
+            length: t.length,
+            tension: t.tension,
+            taut: t.is_taut,
+        })
 }
-pub(super) fn three<S: Scalar>(v: &V3<S>) -> [f32; 3] {
-    [v.x.to_f32(), v.y.to_f32(), v.z.to_f32()]
+pub(super) fn three(v: &V3<f32>) -> [f32; 3] {
+    [v.x, v.y, v.z]
 }
 
 /// Row of the mode table.
 #[must_use]
 pub fn mode_number(mode: Mode) -> u8 {
     crate::supervisor::MODES.iter().position(|rule| rule.mode == mode).unwrap_or(0) as u8
-}
-
-impl SensorCombined {
-    /// `None` when no inertial sample arrived this tick.
-    pub fn of<S: Scalar>(out: &StepOutput<S>) -> Option<Self> {
-        out.sensors.imu.map(|imu| Self {
-            timestamp: out.now.0,
-            gyro_rad: three(&imu.value.gyro.0),
-            accelerometer_m_s2: three(&imu.value.accel.0),
-            temperature: out.sensors.imu_temperature,
-        })
-    }
-}
-
-impl VehicleAttitude {
-    /// The estimate.
-    pub fn of<S: Scalar>(out: &StepOutput<S>) -> Self {
-        Self { timestamp: out.now.0, q: out.estimate.attitude.quaternion().map(Scalar::to_f32) }
-    }
-}
-
-impl VehicleAngularVelocity {
-    /// The estimate.
-    pub fn of<S: Scalar>(out: &StepOutput<S>) -> Self {
-        Self { timestamp: out.now.0, xyz: three(&out.estimate.rate.0) }
-    }
-}
-
-impl VehicleLocalPosition {
-    /// The estimate.
-    pub fn of<S: Scalar>(out: &StepOutput<S>) -> Self {
-        let e = &out.estimate;
-        let [x, y, z] = e.position.map_or([0.0; 3], |p| three(&p.0));
-        let [vx, vy, vz] = e.velocity.map_or([0.0; 3], |v| three(&v.0));
-        let [sx, sy, sz] = three(&e.position_sd);
-        Self {
-            timestamp: out.now.0,
-            x,
-            y,
-            z,
-            vx,
-            vy,
-            vz,
-            heading: e.attitude.euler().2.to_f32(),
-            eph: libm::hypotf(sx, sy),
-            epv: sz,
-            dist_bottom: e.height.to_f32(),
-            xy_valid: e.position.is_some(),
-            z_valid: out.sensors.altitude_is_fresh,
-        }
-    }
-}
-
-impl VehicleLocalPositionSetpoint {
-    /// `None` in the modes without one.
-    pub fn of<S: Scalar>(out: &StepOutput<S>) -> Option<Self> {
-        out.reference.map(|r| {
-            let ([x, y, z], [vx, vy, vz]) = (three(&r.position.0), three(&r.velocity.0));
-            Self {
-                timestamp: out.now.0,
-                x,
-                y,
-                z,
-                vx,
-                vy,
-                vz,
-                yaw: r.yaw.to_f32(),
-                tension: r.tension.to_f32(),
-            }
-        })
-    }
-}
-
-impl VehicleRatesSetpoint {
-    /// What the inner loop asks.
-    pub fn of<S: Scalar>(out: &StepOutput<S>) -> Self {
-        let [roll, pitch, yaw] = three(&out.rate_setpoint.0);
-        Self {
-            timestamp: out.now.0,
-            roll,
-            pitch,
-            yaw,
-            thrust: out.wrench.thrust.to_f32(),
-            torque: three(&out.wrench.torque.0),
-            tilt_saturated: out.mixer.tilt_is_saturated,
-            yaw_saturated: out.mixer.yaw_is_saturated,
-            thrust_saturated: out.mixer.thrust_is_saturated,
-        }
-    }
-}
-
-impl ActuatorMotors {
-    /// What the motors get.
-    pub fn of<S: Scalar>(out: &StepOutput<S>) -> Self {
-        Self {
-            timestamp: out.now.0,
-            control: out.actuation.throttle.map(Scalar::to_f32),
-            thrust: out.actuation.thrusts.map(Scalar::to_f32),
-            winch_tension: out.actuation.winch.tension.to_f32(),
-        }
-    }
-}
-
-impl VehicleStatus {
-    /// The supervisor.
-    pub fn of<S: Scalar>(out: &StepOutput<S>) -> Self {
-        Self {
-            timestamp: out.now.0,
-            arming_state: if out.is_armed { 2 } else { 1 },
-            nav_state: mode_number(out.mode),
-            ground_state: match out.ground {
-                GroundState::OnGround => 0,
-                GroundState::TakingOff => 1,
-                GroundState::InAir => 2,
-                GroundState::Landing => 3,
-            },
-            failsafe: out.failures != 0,
-            failures: out.failures,
-            pre_flight_checks_pass: out.is_armable,
-        }
-    }
-}
-
-impl BatteryStatus {
-    /// `None` before the first reading.
-    pub fn of<S: Scalar>(out: &StepOutput<S>) -> Option<Self> {
-        out.sensors.battery.map(|b| Self {
-            timestamp: out.now.0,
-            voltage_v: b.voltage.to_f32(),
-            current_a: b.current.to_f32(),
-            remaining: b.remaining.to_f32(),
-            discharged_mah: b.drawn.to_f32() / 3.6,
-            cell_v: b.cell.to_f32(),
-        })
-    }
-}
-
-impl TetherState {
-    /// `None` before a position is known.
-    pub fn of<S: Scalar>(out: &StepOutput<S>) -> Option<Self> {
-        out.estimate.tether.map(|t| Self {
-            timestamp: out.now.0,
-            elevation: t.elevation.to_f32(),
-            azimuth: t.azimuth.to_f32(),
-            length: t.length.to_f32(),
-            tension: t.tension.to_f32(),
-            taut: t.is_taut,
-        })
-    }
 }

@@ -66,17 +66,34 @@ impl<T: Field, const N: usize> Field for [T; N] {
     }
 }
 
+/// One field of a topic.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct FieldMeta {
+    /// C name of its type, without array brackets.
+    pub kind: &'static str,
+    /// Array length; `None` for a single value.
+    pub length: Option<u8>,
+    /// Its name.
+    pub name: &'static str,
+}
+
 /// What a topic is made of.
 pub trait Record {
-    /// Calls back with type, array length and name of each field.
-    fn describe(each: &mut dyn FnMut(&'static str, Option<u8>, &'static str));
+    /// Its fields, the time stamp first.
+    const FIELDS: &'static [FieldMeta];
     /// The fields in that order.
     fn encode(&self, out: &mut Body);
 }
 
-/// Declares a topic's struct and its [`Record`].
+/// Declares a record, and where it is given name, period and source also the vehicle's topic of it: see
+/// `topics.rs`.
 macro_rules! record {
-    ($(#[$meta:meta])* $name:ident { $($(#[$field_meta:meta])* $field:ident : $t:ty,)+ }) => {
+    (
+        $(#[$meta:meta])*
+        $name:ident { $($(#[$field_meta:meta])* $field:ident : $t:ty,)+ }
+        $(topic $topic:literal every $every:expr $(, on change $change:literal)?;
+        of |$out:ident| $of:expr)?
+    ) => {
         $(#[$meta])*
         #[derive(Clone, Copy, Debug, PartialEq)]
         pub struct $name {
@@ -85,19 +102,27 @@ macro_rules! record {
             $($(#[$field_meta])* pub $field: $t,)+
         }
         impl $crate::log::Record for $name {
-            fn describe(each: &mut dyn FnMut(&'static str, Option<u8>, &'static str)) {
-                each("uint64_t", None, "timestamp");
-                $(each(
-                    <$t as $crate::log::Field>::TYPE,
-                    <$t as $crate::log::Field>::LENGTH,
-                    stringify!($field),
-                );)+
-            }
+            const FIELDS: &'static [$crate::log::FieldMeta] = &[
+                $crate::log::FieldMeta { kind: "uint64_t", length: None, name: "timestamp" },
+                $($crate::log::FieldMeta {
+                    kind: <$t as $crate::log::Field>::TYPE,
+                    length: <$t as $crate::log::Field>::LENGTH,
+                    name: stringify!($field),
+                },)+
+            ];
             fn encode(&self, out: &mut $crate::log::ulog::Body) {
                 $crate::log::Field::put(&self.timestamp, out);
                 $($crate::log::Field::put(&self.$field, out);)+
             }
         }
+        $(impl $crate::log::FlightTopic for $name {
+            const NAME: &'static str = $topic;
+            const EVERY: u32 = $every;
+            $(const ON_CHANGE: bool = $change;)?
+            fn of($out: &$crate::vehicle::StepOutput) -> Option<Self> {
+                $of
+            }
+        })?
     };
 }
 pub(crate) use record;
@@ -123,13 +148,13 @@ impl Ulog {
         header.bytes(&now.0.to_le_bytes());
         sink(&header.0);
         self.bytes += 16;
-        self.message(b'B', sink, |body| body.bytes(&[0; 40]));
+        self.message(b'B', sink, &mut |body| body.bytes(&[0; 40]));
         self.info("sys_name", system, sink);
         self.info("ver_sw", version, sink);
     }
 
     fn info(&mut self, key: &str, value: &str, sink: Sink) {
-        self.message(b'I', sink, |body| {
+        self.message(b'I', sink, &mut |body| {
             let mut name = Body::default();
             name.bytes(b"char[");
             name.digits(value.len() as u8);
@@ -143,26 +168,31 @@ impl Ulog {
 
     /// Defines a topic of this name.
     pub fn define<R: Record>(&mut self, name: &str, sink: Sink) {
-        self.message(b'F', sink, |body| {
+        self.define_fields(name, R::FIELDS, sink);
+    }
+
+    /// See [`Self::define`].
+    pub fn define_fields(&mut self, name: &str, fields: &[FieldMeta], sink: Sink) {
+        self.message(b'F', sink, &mut |body| {
             body.bytes(name.as_bytes());
             body.bytes(b":");
-            R::describe(&mut |kind, length, field| {
-                body.bytes(kind.as_bytes());
-                if let Some(length) = length {
+            for field in fields {
+                body.bytes(field.kind.as_bytes());
+                if let Some(length) = field.length {
                     body.bytes(b"[");
                     body.digits(length);
                     body.bytes(b"]");
                 }
                 body.bytes(b" ");
-                body.bytes(field.as_bytes());
+                body.bytes(field.name.as_bytes());
                 body.bytes(b";");
-            });
+            }
         });
     }
 
     /// Records a parameter's value.
     pub fn parameter(&mut self, name: &str, value: f32, sink: Sink) {
-        self.message(b'P', sink, |body| {
+        self.message(b'P', sink, &mut |body| {
             body.bytes(&[(name.len() + 6) as u8]);
             body.bytes(b"float ");
             body.bytes(name.as_bytes());
@@ -174,7 +204,7 @@ impl Ulog {
     pub fn subscribe(&mut self, name: &str, sink: Sink) -> Topic {
         let id = self.topics;
         self.topics += 1;
-        self.message(b'A', sink, |body| {
+        self.message(b'A', sink, &mut |body| {
             body.bytes(&[0]);
             body.bytes(&id.to_le_bytes());
             body.bytes(name.as_bytes());
@@ -184,7 +214,7 @@ impl Ulog {
 
     /// One record.
     pub fn write<R: Record>(&mut self, topic: Topic, record: &R, sink: Sink) {
-        self.message(b'D', sink, |body| {
+        self.message(b'D', sink, &mut |body| {
             body.bytes(&topic.0.to_le_bytes());
             record.encode(body);
         });
@@ -192,12 +222,12 @@ impl Ulog {
 
     /// Says that messages were left out for want of room, for so long, ms.
     pub fn dropout(&mut self, duration_ms: u16, sink: Sink) {
-        self.message(b'O', sink, |body| body.bytes(&duration_ms.to_le_bytes()));
+        self.message(b'O', sink, &mut |body| body.bytes(&duration_ms.to_le_bytes()));
     }
 
     /// One line of text with a syslog level (0 emergency to 7 debug).
     pub fn text(&mut self, now: Micros, level: u8, text: &str, sink: Sink) {
-        self.message(b'L', sink, |body| {
+        self.message(b'L', sink, &mut |body| {
             body.bytes(&[b'0' + level.min(7)]);
             body.bytes(&now.0.to_le_bytes());
             body.bytes(text.as_bytes());
@@ -205,7 +235,7 @@ impl Ulog {
     }
 
     /// One call of the sink per message, so that one that finds no room can be left out whole.
-    fn message(&mut self, kind: u8, sink: Sink, fill: impl FnOnce(&mut Body)) {
+    fn message(&mut self, kind: u8, sink: Sink, fill: &mut dyn FnMut(&mut Body)) {
         let mut message = Body::default();
         message.bytes(&[0, 0, kind]);
         fill(&mut message);

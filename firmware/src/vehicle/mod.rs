@@ -174,7 +174,7 @@ impl<S: Scalar> Vehicle<S> {
     }
 
     /// One step; call it at every inertial sample, or at the same rate when the sensor is silent.
-    pub fn step(&mut self, input: &StepInput) -> StepOutput<S> {
+    pub fn step(&mut self, input: &StepInput) -> StepOutput {
         let mut events = EventQueue::default();
         self.receive(input);
         let cos_tilt = self.situation.estimate.attitude.cos_tilt();

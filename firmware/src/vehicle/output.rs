@@ -11,6 +11,7 @@ use crate::signal::{
     Actuation, Estimate, EventQueue, FlightReference, MixerReport, PlanarReference, Reply, Request,
     Sensors, Sticks, Wrench,
 };
+use crate::single::Single;
 use crate::supervisor::{GroundState, Mode};
 use crate::time::{Micros, Sample};
 
@@ -29,33 +30,33 @@ pub struct StepInput {
     pub request: Option<Request>,
 }
 
-/// Everything that one step has to say.
+/// Everything that one step has to say, in single precision whatever the vehicle computes with.
 #[derive(Clone, Debug, PartialEq)]
-pub struct StepOutput<S: Scalar = f32> {
+pub struct StepOutput {
     /// Now.
     pub now: Micros,
     /// After the sense stage.
-    pub sensors: Sensors<S>,
+    pub sensors: Sensors,
     /// After the estimate stage.
-    pub estimate: Estimate<S>,
+    pub estimate: Estimate,
     /// In the modes that have one.
-    pub reference: Option<FlightReference<S>>,
+    pub reference: Option<FlightReference>,
     /// What the taut-link observer knows, in the air.
-    pub taut: Option<TautEstimate<S>>,
+    pub taut: Option<TautEstimate<f32>>,
     /// In the taut-link modes.
-    pub taut_reference: Option<PlanarReference<S>>,
+    pub taut_reference: Option<PlanarReference<f32>>,
     /// In Tether Angle.
-    pub angle: Option<TetherAngleEstimate<S>>,
+    pub angle: Option<TetherAngleEstimate<f32>>,
     /// While a rod on top is seen.
-    pub pendulum: Option<PendulumReport<S>>,
+    pub pendulum: Option<PendulumReport>,
     /// Body rates wanted, rad/s.
-    pub rate_setpoint: Body<V3<S>>,
+    pub rate_setpoint: Body<V3<f32>>,
     /// Asked of the mixer.
-    pub wrench: Wrench<S>,
+    pub wrench: Wrench,
     /// What the mixer could not give.
     pub mixer: MixerReport,
     /// To motors and winch.
-    pub actuation: Actuation<S>,
+    pub actuation: Actuation,
     /// Flight mode.
     pub mode: Mode,
     /// Motors may turn.
@@ -81,25 +82,25 @@ impl<S: Scalar> Vehicle<S> {
         sensors: &Sensors<S>,
         reply: Option<Reply>,
         events: EventQueue,
-    ) -> StepOutput<S> {
+    ) -> StepOutput {
         let (state, situation) = (&self.state, &self.situation);
         let report = self.mode.report();
         StepOutput {
             now,
-            sensors: *sensors,
-            estimate: situation.estimate,
-            reference: situation.setpoints.reference,
-            taut: situation.taut.estimate().copied(),
-            taut_reference: report.taut,
-            angle: report.angle,
-            pendulum: situation
-                .rod
-                .as_ref()
-                .map(|rod| PendulumReport { estimate: rod.estimate, reference: report.load }),
-            rate_setpoint: situation.setpoints.attitude.rate,
-            wrench: state.wrench,
+            sensors: sensors.single(),
+            estimate: situation.estimate.single(),
+            reference: situation.setpoints.reference.single(),
+            taut: situation.taut.estimate().map(Single::single),
+            taut_reference: report.taut.single(),
+            angle: report.angle.single(),
+            pendulum: situation.rod.as_ref().map(|rod| PendulumReport {
+                estimate: rod.estimate.single(),
+                reference: report.load.single(),
+            }),
+            rate_setpoint: situation.setpoints.attitude.rate.single(),
+            wrench: state.wrench.single(),
             mixer: situation.mixer,
-            actuation: state.actuation,
+            actuation: state.actuation.single(),
             mode: self.mode.mode(),
             is_armed: situation.armed_at.is_some(),
             ground: situation.setpoints.ground,

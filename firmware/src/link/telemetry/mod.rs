@@ -8,7 +8,6 @@ mod system;
 
 use super::{Link, Sink};
 use crate::param::Params;
-use crate::scalar::Scalar;
 use crate::supervisor::{GroundState, Mode};
 use crate::vehicle::StepOutput;
 use mavlink::dialects::common as mav;
@@ -55,20 +54,20 @@ struct View {
 }
 
 impl View {
-    fn new<S: Scalar>(out: &StepOutput<S>) -> Self {
+    fn new(out: &StepOutput) -> Self {
         let e = &out.estimate;
-        let three = |v: &crate::frames::V3<S>| [v.x.to_f32(), v.y.to_f32(), v.z.to_f32()];
+        let three = |v: &crate::frames::V3<f32>| [v.x, v.y, v.z];
         let (roll, pitch, yaw) = e.attitude.euler();
         Self {
             boot_ms: out.now.boot_ms(),
             usec: out.now.0,
             position: e.position.map(|p| three(&p.0)),
             velocity: e.velocity.map(|v| three(&v.0)),
-            euler: [roll.to_f32(), pitch.to_f32(), yaw.to_f32()],
+            euler: [roll, pitch, yaw],
             rate: three(&e.rate.0),
-            quaternion: e.attitude.quaternion().map(Scalar::to_f32),
-            height: e.height.to_f32(),
-            climb: e.climb.to_f32(),
+            quaternion: e.attitude.quaternion(),
+            height: e.height,
+            climb: e.climb,
         }
     }
 }
@@ -80,11 +79,11 @@ fn standard_mode(mode: Mode) -> mav::MavStandardMode {
 
 impl Link {
     /// Sends one message; nothing for an id that is not known or has nothing to say yet.
-    pub(in crate::link) fn send_message<S: Scalar>(
+    pub(in crate::link) fn send_message(
         &mut self,
         id: u32,
         argument: u16,
-        out: &StepOutput<S>,
+        out: &StepOutput,
         params: &Params,
         sink: Sink,
     ) {
@@ -137,8 +136,7 @@ impl Link {
             }
             33 => self.send_global_position(&v, params, sink),
             36 => {
-                let [a, b, c, d] =
-                    out.actuation.throttle.map(|t| (1000.0 + 1000.0 * t.to_f32()) as u16);
+                let [a, b, c, d] = out.actuation.throttle.map(|t| (1000.0 + 1000.0 * t) as u16);
                 let m = mav::SERVO_OUTPUT_RAW_DATA {
                     time_usec: v.usec as u32,
                     servo1_raw: a,

@@ -3,7 +3,6 @@
 use super::View;
 use crate::link::{Link, Sink, global};
 use crate::param::Params;
-use crate::scalar::Scalar;
 use crate::signal::ImuHealth;
 use crate::vehicle::StepOutput;
 use mavlink::dialects::common as mav;
@@ -39,16 +38,10 @@ impl Link {
         self.send(&m, sink);
     }
 
-    pub(super) fn send_hud<S: Scalar>(
-        &mut self,
-        v: &View,
-        out: &StepOutput<S>,
-        params: &Params,
-        sink: Sink,
-    ) {
+    pub(super) fn send_hud(&mut self, v: &View, out: &StepOutput, params: &Params, sink: Sink) {
         let [vn, ve, _] = v.velocity.unwrap_or_default();
         let [_, _, yaw] = v.euler;
-        let mean: f32 = out.actuation.throttle.iter().map(|t| t.to_f32()).sum::<f32>() * 0.25;
+        let mean: f32 = out.actuation.throttle.iter().map(|t| t).sum::<f32>() * 0.25;
         let m = mav::VFR_HUD_DATA {
             airspeed: 0.0,
             groundspeed: libm::hypotf(vn, ve),
@@ -60,22 +53,17 @@ impl Link {
         self.send(&m, sink);
     }
 
-    pub(super) fn send_position_target<S: Scalar>(
-        &mut self,
-        v: &View,
-        out: &StepOutput<S>,
-        sink: Sink,
-    ) {
+    pub(super) fn send_position_target(&mut self, v: &View, out: &StepOutput, sink: Sink) {
         let Some(r) = &out.reference else { return };
         let m = mav::POSITION_TARGET_LOCAL_NED_DATA {
             time_boot_ms: v.boot_ms,
-            x: r.position.0.x.to_f32(),
-            y: r.position.0.y.to_f32(),
-            z: r.position.0.z.to_f32(),
-            vx: r.velocity.0.x.to_f32(),
-            vy: r.velocity.0.y.to_f32(),
-            vz: r.velocity.0.z.to_f32(),
-            yaw: r.yaw.to_f32(),
+            x: r.position.0.x,
+            y: r.position.0.y,
+            z: r.position.0.z,
+            vx: r.velocity.0.x,
+            vy: r.velocity.0.y,
+            vz: r.velocity.0.z,
+            yaw: r.yaw,
             coordinate_frame: mav::MavFrame::MAV_FRAME_LOCAL_NED,
             ..Default::default()
         };
@@ -83,13 +71,13 @@ impl Link {
     }
 
     /// Position in LOCAL_NED around the anchor, velocity in body axes.
-    pub(super) fn send_odometry<S: Scalar>(&mut self, v: &View, out: &StepOutput<S>, sink: Sink) {
+    pub(super) fn send_odometry(&mut self, v: &View, out: &StepOutput, sink: Sink) {
         let (Some([x, y, z]), Some(velocity)) = (v.position, &out.estimate.velocity) else {
             return;
         };
         let body = out.estimate.attitude.to_body(*velocity).0;
         let ([p, q, r], sd) = (v.rate, &out.estimate.position_sd);
-        let variance = |s: S| s.to_f32() * s.to_f32();
+        let variance = |s: f32| s * s;
         // Upper triangle of x y z roll pitch yaw, row by row; NaN first means "unknown" in MAVLink.
         let mut pose_covariance = [0.0; 21];
         for (at, value) in [(0, sd.x), (6, sd.y), (11, sd.z)] {
@@ -107,9 +95,9 @@ impl Link {
             y,
             z,
             q: v.quaternion,
-            vx: body.x.to_f32(),
-            vy: body.y.to_f32(),
-            vz: body.z.to_f32(),
+            vx: body.x,
+            vy: body.y,
+            vz: body.z,
             rollspeed: p,
             pitchspeed: q,
             yawspeed: r,
@@ -123,21 +111,21 @@ impl Link {
 
     /// Elevation and azimuth in degrees, length in m, tension in N; in the taut-link modes also elevation
     /// and pitch in degrees and link force in N as the inertial observer sees them.
-    pub(super) fn send_tether<S: Scalar>(&mut self, out: &StepOutput<S>, sink: Sink) {
-        let degrees = |angle: S| angle.to_f32().to_degrees();
+    pub(super) fn send_tether(&mut self, out: &StepOutput, sink: Sink) {
+        let degrees = |angle: f32| angle.to_degrees();
         let tether = out.estimate.tether.as_ref().map(|tether| {
             [
                 ("tet_elev", degrees(tether.elevation)),
                 ("tet_azim", degrees(tether.azimuth)),
-                ("tet_len", tether.length.to_f32()),
-                ("tet_tens", tether.tension.to_f32()),
+                ("tet_len", tether.length),
+                ("tet_tens", tether.tension),
             ]
         });
         let taut = out.taut.as_ref().filter(|_| out.taut_reference.is_some()).map(|taut| {
             [
                 ("tlk_elev", degrees(taut.planar.elevation)),
                 ("tlk_pitch", degrees(taut.planar.pitch)),
-                ("tlk_force", taut.link_force.to_f32()),
+                ("tlk_force", taut.link_force),
             ]
         });
         let angle = out.angle.as_ref().map(|angle| {
@@ -145,7 +133,7 @@ impl Link {
             [
                 ("tag_north", degrees(north)),
                 ("tag_west", degrees(west)),
-                ("tag_tens", angle.tension.to_f32()),
+                ("tag_tens", angle.tension),
             ]
         });
         let taut = taut.into_iter().chain(angle).flatten();
@@ -160,7 +148,7 @@ impl Link {
     }
 
     /// MAVLink gives the tension in kg.
-    pub(super) fn send_winch<S: Scalar>(&mut self, out: &StepOutput<S>, sink: Sink) {
+    pub(super) fn send_winch(&mut self, out: &StepOutput, sink: Sink) {
         let Some(tether) = &out.estimate.tether else {
             return;
         };
@@ -171,9 +159,9 @@ impl Link {
         };
         let m = mav::WINCH_STATUS_DATA {
             time_usec: out.now.0,
-            line_length: tether.length.to_f32(),
+            line_length: tether.length,
             speed: f32::NAN,
-            tension: tether.tension.to_f32() / KG_TO_N,
+            tension: tether.tension / KG_TO_N,
             voltage: f32::NAN,
             current: f32::NAN,
             status,
@@ -194,10 +182,10 @@ impl Link {
         self.send(&m, sink);
     }
 
-    pub(super) fn send_estimator_status<S: Scalar>(
+    pub(super) fn send_estimator_status(
         &mut self,
         v: &View,
-        out: &StepOutput<S>,
+        out: &StepOutput,
         params: &Params,
         sink: Sink,
     ) {
@@ -215,14 +203,14 @@ impl Link {
         set(F::ESTIMATOR_POS_HORIZ_REL | F::ESTIMATOR_VELOCITY_HORIZ, e.position.is_some());
         set(F::ESTIMATOR_ACCEL_ERROR, out.sensors.imu_health != ImuHealth::Good);
         // Our ratios are squared and fail at `EST_DIV_RATIO`; MAVLink's fail at 1.
-        let ratio = |x: S| libm::sqrtf((x.to_f32() / params.divergence_ratio).max(0.0));
+        let ratio = |x: f32| libm::sqrtf((x / params.divergence_ratio).max(0.0));
         let m = mav::ESTIMATOR_STATUS_DATA {
             time_usec: v.usec,
             vel_ratio: ratio(e.health.accel),
             pos_horiz_ratio: ratio(e.health.length),
             pos_vert_ratio: ratio(e.health.altitude),
-            pos_horiz_accuracy: libm::hypotf(e.position_sd.x.to_f32(), e.position_sd.y.to_f32()),
-            pos_vert_accuracy: e.position_sd.z.to_f32(),
+            pos_horiz_accuracy: libm::hypotf(e.position_sd.x, e.position_sd.y),
+            pos_vert_accuracy: e.position_sd.z,
             flags,
             ..Default::default()
         };

@@ -3,7 +3,6 @@
 use super::standard_mode;
 use crate::link::{Link, Sink, speaks_px4};
 use crate::param::Params;
-use crate::scalar::Scalar;
 use crate::signal::{Event, ImuHealth, Severity};
 use crate::supervisor::{MODES, ModeRule};
 use crate::vehicle::StepOutput;
@@ -14,7 +13,7 @@ use mavlink::types::CharArray;
 /// QGroundControl refuses to work with less than 1.4.1.
 const PX4_INTERFACE_VERSION: u32 = (1 << 24) | (15 << 16);
 
-fn base_mode<S: Scalar>(out: &StepOutput<S>) -> mav::MavModeFlag {
+fn base_mode(out: &StepOutput) -> mav::MavModeFlag {
     use mav::MavModeFlag as F;
     let mut flags = F::MAV_MODE_FLAG_CUSTOM_MODE_ENABLED | F::MAV_MODE_FLAG_STABILIZE_ENABLED;
     let manual = out.mode.rule().needs.sticks;
@@ -30,12 +29,7 @@ fn base_mode<S: Scalar>(out: &StepOutput<S>) -> mav::MavModeFlag {
 }
 
 impl Link {
-    pub(super) fn send_heartbeat<S: Scalar>(
-        &mut self,
-        out: &StepOutput<S>,
-        params: &Params,
-        sink: Sink,
-    ) {
+    pub(super) fn send_heartbeat(&mut self, out: &StepOutput, params: &Params, sink: Sink) {
         let autopilot = if speaks_px4(params) {
             mav::MavAutopilot::MAV_AUTOPILOT_PX4
         } else {
@@ -58,7 +52,7 @@ impl Link {
         self.send(&m, sink);
     }
 
-    pub(super) fn send_sys_status<S: Scalar>(&mut self, out: &StepOutput<S>, sink: Sink) {
+    pub(super) fn send_sys_status(&mut self, out: &StepOutput, sink: Sink) {
         use mav::MavSysStatusSensor as F;
         let inertial = F::MAV_SYS_STATUS_SENSOR_3D_GYRO | F::MAV_SYS_STATUS_SENSOR_3D_ACCEL;
         let altitude =
@@ -88,9 +82,9 @@ impl Link {
             onboard_control_sensors_enabled: present,
             onboard_control_sensors_health: health,
             load: 0,
-            voltage_battery: (battery.voltage.to_f32() * 1000.0) as u16,
-            current_battery: (battery.current.to_f32() * 100.0) as i16,
-            battery_remaining: (battery.remaining.to_f32() * 100.0) as i8,
+            voltage_battery: (battery.voltage * 1000.0) as u16,
+            current_battery: (battery.current * 100.0) as i16,
+            battery_remaining: (battery.remaining * 100.0) as i8,
             drop_rate_comm: 0,
             errors_comm: self.counters.bad_frames.min(u32::from(u16::MAX)) as u16,
             ..Default::default()
@@ -98,31 +92,26 @@ impl Link {
         self.send(&m, sink);
     }
 
-    pub(super) fn send_battery<S: Scalar>(
-        &mut self,
-        out: &StepOutput<S>,
-        params: &Params,
-        sink: Sink,
-    ) {
+    pub(super) fn send_battery(&mut self, out: &StepOutput, params: &Params, sink: Sink) {
         let Some(battery) = out.sensors.battery else {
             return;
         };
         let cells = (params.battery_cells as usize).clamp(1, 10);
-        let per_cell = (battery.voltage.to_f32() * 1000.0 / cells as f32) as u16;
+        let per_cell = (battery.voltage * 1000.0 / cells as f32) as u16;
         let mut voltages = [u16::MAX; 10];
         for cell in voltages.iter_mut().take(cells) {
             *cell = per_cell;
         }
         let m = mav::BATTERY_STATUS_DATA {
-            current_consumed: (battery.drawn.to_f32() / 3.6) as i32,
+            current_consumed: (battery.drawn / 3.6) as i32,
             energy_consumed: -1,
             temperature: i16::MAX,
             voltages,
-            current_battery: (battery.current.to_f32() * 100.0) as i16,
+            current_battery: (battery.current * 100.0) as i16,
             id: 0,
             battery_function: mav::MavBatteryFunction::MAV_BATTERY_FUNCTION_ALL,
             mavtype: mav::MavBatteryType::MAV_BATTERY_TYPE_LIPO,
-            battery_remaining: (battery.remaining.to_f32() * 100.0) as i8,
+            battery_remaining: (battery.remaining * 100.0) as i8,
         };
         self.send(&m, sink);
     }

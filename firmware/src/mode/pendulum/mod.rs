@@ -73,11 +73,11 @@ pub(super) struct Pendulum<S: Scalar> {
 
 /// What log and telemetry see of the pendulum.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PendulumReport<S: Scalar = f32> {
+pub struct PendulumReport {
     /// Now.
-    pub estimate: PendulumEstimate<S>,
+    pub estimate: PendulumEstimate<f32>,
     /// In the mode.
-    pub reference: Option<LoadReference<S>>,
+    pub reference: Option<LoadReference>,
 }
 
 /// From the parameters; what is wrong with them otherwise.
