@@ -3,19 +3,22 @@
 //! COMMAND_LONG and COMMAND_INT are read by position, not through the crate's enum of commands: that
 //! one refuses a number it does not know, and then nobody would answer.
 
+// MAVLink deprecates messages that today's clients still ask for.
+#![allow(deprecated)]
+
 use super::frame::Frame;
 use super::{Link, Sink, global};
 use crate::param::Params;
 use crate::signal::{Action, Request, Ticket};
 use crate::supervisor::Mode;
+use mavlink::MessageData;
+use mavlink::dialects::common as mav;
 
 pub const ACCEPTED: u8 = 0;
 pub const TEMPORARILY_REJECTED: u8 = 1;
 pub const DENIED: u8 = 2;
 const UNSUPPORTED: u8 = 3;
 
-const COMMAND_ACK: u32 = 77;
-const COMMAND_ACK_EXTRA_CRC: u8 = 143;
 /// `p2` of a forced arming or disarming.
 const FORCE: f32 = 21196.0;
 /// `p1` of a reset to defaults in PREFLIGHT_STORAGE.
@@ -138,18 +141,18 @@ impl Command {
             // PREFLIGHT_STORAGE
             245 if p1 == STORAGE_RESET => Meaning::Do(Action::ResetParams),
             // RUN_PREARM_CHECKS: SYS_STATUS carries the result.
-            401 => Meaning::Message { id: 1, argument: 0 },
+            401 => Meaning::Message { id: mav::SYS_STATUS_DATA::ID, argument: 0 },
             // GET_HOME_POSITION
-            410 => Meaning::Message { id: 242, argument: 0 },
+            410 => Meaning::Message { id: mav::HOME_POSITION_DATA::ID, argument: 0 },
             // GET_MESSAGE_INTERVAL
-            510 => Meaning::Message { id: 244, argument: p1 as u16 },
+            510 => Meaning::Message { id: mav::MESSAGE_INTERVAL_DATA::ID, argument: p1 as u16 },
             // SET_MESSAGE_INTERVAL
             511 => Meaning::Interval { id: p1 as u32, interval_us: p2 },
             // REQUEST_MESSAGE
             512 => Meaning::Message { id: p1 as u32, argument: p2 as u16 },
             // REQUEST_PROTOCOL_VERSION, REQUEST_AUTOPILOT_CAPABILITIES
-            519 => Meaning::Message { id: 300, argument: 0 },
-            520 => Meaning::Message { id: 148, argument: 0 },
+            519 => Meaning::Message { id: mav::PROTOCOL_VERSION_DATA::ID, argument: 0 },
+            520 => Meaning::Message { id: mav::AUTOPILOT_VERSION_DATA::ID, argument: 0 },
             _ => Meaning::Result(UNSUPPORTED),
         }
     }
@@ -223,6 +226,6 @@ impl Link {
     pub(super) fn acknowledge(&mut self, ticket: &Ticket, result: u8, sink: Sink) {
         let [low, high] = ticket.command.to_le_bytes();
         let payload = [low, high, result, 0, 0, 0, 0, 0, ticket.system, ticket.component];
-        self.send_raw(COMMAND_ACK, COMMAND_ACK_EXTRA_CRC, &payload, sink);
+        self.send_raw(mav::COMMAND_ACK_DATA::ID, mav::COMMAND_ACK_DATA::EXTRA_CRC, &payload, sink);
     }
 }

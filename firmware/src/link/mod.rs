@@ -26,6 +26,7 @@ use crate::vehicle::StepOutput;
 use heapless::Deque;
 use mavlink::{MavlinkVersion, MessageData};
 use schedule::Streams;
+use telemetry::Outgoing;
 
 /// Where frames go.
 pub type Sink<'a> = &'a mut dyn FnMut(&[u8]);
@@ -188,10 +189,10 @@ impl Link {
         }
         self.send_parameters(out.now, params, sink);
         while let Some((id, argument)) = self.once.pop_front() {
-            self.send_message(id, argument, out, params, sink);
+            self.send_message(id, &Outgoing { out, params, argument }, sink);
         }
         while let Some(id) = self.streams.next_due(out.now) {
-            self.send_message(id, 0, out, params, sink);
+            self.send_message(id, &Outgoing { out, params, argument: 0 }, sink);
         }
     }
 

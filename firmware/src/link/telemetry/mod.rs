@@ -10,34 +10,69 @@ use super::{Link, Sink};
 use crate::param::Params;
 use crate::supervisor::{GroundState, Mode};
 use crate::vehicle::StepOutput;
+use mavlink::MessageData;
 use mavlink::dialects::common as mav;
 
-/// Whether [`Link::send_message`] can send it.
-pub fn is_known(id: u32) -> bool {
-    matches!(
-        id,
-        0 | 1
-            | 2
-            | 30
-            | 31
-            | 32
-            | 33
-            | 36
-            | 74
-            | 85
-            | 147
-            | 148
-            | 230
-            | 242
-            | 244
-            | 245
-            | 251
-            | 300
-            | 331
-            | 435
-            | 436
-            | 9005
-    )
+/// What an outgoing message may be made of.
+#[derive(Clone, Copy)]
+pub(super) struct Outgoing<'a> {
+    pub out: &'a StepOutput,
+    pub params: &'a Params,
+    /// Of the request, where somebody asked for it.
+    pub argument: u16,
+}
+
+impl Outgoing<'_> {
+    fn view(&self) -> View {
+        View::new(self.out)
+    }
+}
+
+/// One row of [`MESSAGES`].
+pub(super) struct Message {
+    pub id: u32,
+    /// Interval at start, µs, 0 = off; `None` for one that is only sent on request.
+    pub interval_us: Option<u32>,
+    send: fn(&mut Link, &Outgoing, Sink),
+}
+
+const fn stream<D: MessageData>(interval_us: u32, send: fn(&mut Link, &Outgoing, Sink)) -> Message {
+    Message { id: D::ID, interval_us: Some(interval_us), send }
+}
+
+const fn on_request<D: MessageData>(send: fn(&mut Link, &Outgoing, Sink)) -> Message {
+    Message { id: D::ID, interval_us: None, send }
+}
+
+/// All messages, with their intervals, in the order in which they go out.
+pub(super) const MESSAGES: [Message; 22] = [
+    stream::<mav::HEARTBEAT_DATA>(1_000_000, Link::send_heartbeat),
+    stream::<mav::SYS_STATUS_DATA>(500_000, Link::send_sys_status),
+    stream::<mav::SYSTEM_TIME_DATA>(1_000_000, Link::send_system_time),
+    stream::<mav::ATTITUDE_DATA>(50_000, Link::send_attitude),
+    stream::<mav::ATTITUDE_QUATERNION_DATA>(20_000, Link::send_quaternion),
+    stream::<mav::LOCAL_POSITION_NED_DATA>(50_000, Link::send_local_position),
+    stream::<mav::GLOBAL_POSITION_INT_DATA>(200_000, Link::send_global_position),
+    stream::<mav::SERVO_OUTPUT_RAW_DATA>(500_000, Link::send_servos),
+    stream::<mav::VFR_HUD_DATA>(250_000, Link::send_hud),
+    stream::<mav::POSITION_TARGET_LOCAL_NED_DATA>(0, Link::send_position_target),
+    stream::<mav::BATTERY_STATUS_DATA>(1_000_000, Link::send_battery),
+    stream::<mav::ESTIMATOR_STATUS_DATA>(500_000, Link::send_estimator_status),
+    stream::<mav::HOME_POSITION_DATA>(2_000_000, Link::send_home),
+    stream::<mav::EXTENDED_SYS_STATE_DATA>(500_000, Link::send_landed_state),
+    stream::<mav::NAMED_VALUE_FLOAT_DATA>(100_000, Link::send_tether),
+    stream::<mav::ODOMETRY_DATA>(50_000, Link::send_odometry),
+    stream::<mav::CURRENT_MODE_DATA>(2_000_000, Link::send_current_mode),
+    stream::<mav::WINCH_STATUS_DATA>(500_000, Link::send_winch),
+    on_request::<mav::AUTOPILOT_VERSION_DATA>(Link::send_version),
+    on_request::<mav::MESSAGE_INTERVAL_DATA>(Link::send_interval),
+    on_request::<mav::PROTOCOL_VERSION_DATA>(Link::send_protocol_version),
+    on_request::<mav::AVAILABLE_MODES_DATA>(Link::send_available_modes),
+];
+
+/// Whether somebody can ask for it.
+pub(super) fn is_known(id: u32) -> bool {
+    MESSAGES.iter().any(|message| message.id == id)
 }
 
 /// Estimate in `f32`, as every message wants it.
@@ -79,117 +114,106 @@ fn standard_mode(mode: Mode) -> mav::MavStandardMode {
 
 impl Link {
     /// Sends one message; nothing for an id that is not known or has nothing to say yet.
-    pub(in crate::link) fn send_message(
-        &mut self,
-        id: u32,
-        argument: u16,
-        out: &StepOutput,
-        params: &Params,
-        sink: Sink,
-    ) {
-        let v = View::new(out);
-        match id {
-            0 => self.send_heartbeat(out, params, sink),
-            1 => self.send_sys_status(out, sink),
-            2 => self
-                .send(&mav::SYSTEM_TIME_DATA { time_unix_usec: 0, time_boot_ms: v.boot_ms }, sink),
-            30 => {
-                let ([roll, pitch, yaw], [p, q, r]) = (v.euler, v.rate);
-                let m = mav::ATTITUDE_DATA {
-                    time_boot_ms: v.boot_ms,
-                    roll,
-                    pitch,
-                    yaw,
-                    rollspeed: p,
-                    pitchspeed: q,
-                    yawspeed: r,
-                };
-                self.send(&m, sink);
-            }
-            31 => {
-                let ([q1, q2, q3, q4], [p, q, r]) = (v.quaternion, v.rate);
-                let m = mav::ATTITUDE_QUATERNION_DATA {
-                    time_boot_ms: v.boot_ms,
-                    q1,
-                    q2,
-                    q3,
-                    q4,
-                    rollspeed: p,
-                    pitchspeed: q,
-                    yawspeed: r,
-                };
-                self.send(&m, sink);
-            }
-            32 => {
-                if let (Some([x, y, z]), Some([vx, vy, vz])) = (v.position, v.velocity) {
-                    let m = mav::LOCAL_POSITION_NED_DATA {
-                        time_boot_ms: v.boot_ms,
-                        x,
-                        y,
-                        z,
-                        vx,
-                        vy,
-                        vz,
-                    };
-                    self.send(&m, sink);
-                }
-            }
-            33 => self.send_global_position(&v, params, sink),
-            36 => {
-                let [a, b, c, d] = out.actuation.throttle.map(|t| (1000.0 + 1000.0 * t) as u16);
-                let m = mav::SERVO_OUTPUT_RAW_DATA {
-                    time_usec: v.usec as u32,
-                    servo1_raw: a,
-                    servo2_raw: b,
-                    servo3_raw: c,
-                    servo4_raw: d,
-                    ..Default::default()
-                };
-                self.send(&m, sink);
-            }
-            74 => self.send_hud(&v, out, params, sink),
-            85 => self.send_position_target(&v, out, sink),
-            147 => self.send_battery(out, params, sink),
-            148 => self.send_version(sink),
-            230 => self.send_estimator_status(&v, out, params, sink),
-            242 => self.send_home(params, sink),
-            244 => {
-                let interval_us = self.streams.interval(u32::from(argument)).unwrap_or(0);
-                self.send(&mav::MESSAGE_INTERVAL_DATA { interval_us, message_id: argument }, sink);
-            }
-            245 => {
-                let landed_state = match out.ground {
-                    GroundState::OnGround => mav::MavLandedState::MAV_LANDED_STATE_ON_GROUND,
-                    GroundState::TakingOff => mav::MavLandedState::MAV_LANDED_STATE_TAKEOFF,
-                    GroundState::InAir => mav::MavLandedState::MAV_LANDED_STATE_IN_AIR,
-                    GroundState::Landing => mav::MavLandedState::MAV_LANDED_STATE_LANDING,
-                };
-                let vtol_state = mav::MavVtolState::MAV_VTOL_STATE_UNDEFINED;
-                self.send(&mav::EXTENDED_SYS_STATE_DATA { vtol_state, landed_state }, sink);
-            }
-            251 => self.send_tether(out, sink),
-            300 => {
-                let m = mav::PROTOCOL_VERSION_DATA {
-                    version: 200,
-                    min_version: 100,
-                    max_version: 200,
-                    ..Default::default()
-                };
-                self.send(&m, sink);
-            }
-            331 => self.send_odometry(&v, out, sink),
-            435 => self.send_available_modes(argument, sink),
-            436 => {
-                let custom_mode = out.mode.rule().custom_mode;
-                let m = mav::CURRENT_MODE_DATA {
-                    custom_mode,
-                    intended_custom_mode: custom_mode,
-                    standard_mode: standard_mode(out.mode),
-                };
-                self.send(&m, sink);
-            }
-            9005 => self.send_winch(out, sink),
-            _ => {}
+    pub(in crate::link) fn send_message(&mut self, id: u32, at: &Outgoing, sink: Sink) {
+        if let Some(message) = MESSAGES.iter().find(|message| message.id == id) {
+            (message.send)(self, at, sink);
         }
+    }
+
+    fn send_system_time(&mut self, at: &Outgoing, sink: Sink) {
+        let time_boot_ms = at.out.now.boot_ms();
+        self.send(&mav::SYSTEM_TIME_DATA { time_unix_usec: 0, time_boot_ms }, sink);
+    }
+
+    fn send_attitude(&mut self, at: &Outgoing, sink: Sink) {
+        let v = at.view();
+        let ([roll, pitch, yaw], [p, q, r]) = (v.euler, v.rate);
+        let m = mav::ATTITUDE_DATA {
+            time_boot_ms: v.boot_ms,
+            roll,
+            pitch,
+            yaw,
+            rollspeed: p,
+            pitchspeed: q,
+            yawspeed: r,
+        };
+        self.send(&m, sink);
+    }
+
+    fn send_quaternion(&mut self, at: &Outgoing, sink: Sink) {
+        let v = at.view();
+        let ([q1, q2, q3, q4], [p, q, r]) = (v.quaternion, v.rate);
+        let m = mav::ATTITUDE_QUATERNION_DATA {
+            time_boot_ms: v.boot_ms,
+            q1,
+            q2,
+            q3,
+            q4,
+            rollspeed: p,
+            pitchspeed: q,
+            yawspeed: r,
+        };
+        self.send(&m, sink);
+    }
+
+    fn send_local_position(&mut self, at: &Outgoing, sink: Sink) {
+        let v = at.view();
+        if let (Some([x, y, z]), Some([vx, vy, vz])) = (v.position, v.velocity) {
+            let m = mav::LOCAL_POSITION_NED_DATA { time_boot_ms: v.boot_ms, x, y, z, vx, vy, vz };
+            self.send(&m, sink);
+        }
+    }
+
+    fn send_servos(&mut self, at: &Outgoing, sink: Sink) {
+        let out = at.out;
+        let [a, b, c, d] = out.actuation.throttle.map(|t| (1000.0 + 1000.0 * t) as u16);
+        let m = mav::SERVO_OUTPUT_RAW_DATA {
+            time_usec: out.now.0 as u32,
+            servo1_raw: a,
+            servo2_raw: b,
+            servo3_raw: c,
+            servo4_raw: d,
+            ..Default::default()
+        };
+        self.send(&m, sink);
+    }
+
+    fn send_interval(&mut self, at: &Outgoing, sink: Sink) {
+        let argument = at.argument;
+        let interval_us = self.streams.interval(u32::from(argument)).unwrap_or(0);
+        self.send(&mav::MESSAGE_INTERVAL_DATA { interval_us, message_id: argument }, sink);
+    }
+
+    fn send_landed_state(&mut self, at: &Outgoing, sink: Sink) {
+        let out = at.out;
+        let landed_state = match out.ground {
+            GroundState::OnGround => mav::MavLandedState::MAV_LANDED_STATE_ON_GROUND,
+            GroundState::TakingOff => mav::MavLandedState::MAV_LANDED_STATE_TAKEOFF,
+            GroundState::InAir => mav::MavLandedState::MAV_LANDED_STATE_IN_AIR,
+            GroundState::Landing => mav::MavLandedState::MAV_LANDED_STATE_LANDING,
+        };
+        let vtol_state = mav::MavVtolState::MAV_VTOL_STATE_UNDEFINED;
+        self.send(&mav::EXTENDED_SYS_STATE_DATA { vtol_state, landed_state }, sink);
+    }
+
+    fn send_protocol_version(&mut self, _: &Outgoing, sink: Sink) {
+        let m = mav::PROTOCOL_VERSION_DATA {
+            version: 200,
+            min_version: 100,
+            max_version: 200,
+            ..Default::default()
+        };
+        self.send(&m, sink);
+    }
+
+    fn send_current_mode(&mut self, at: &Outgoing, sink: Sink) {
+        let out = at.out;
+        let custom_mode = out.mode.rule().custom_mode;
+        let m = mav::CURRENT_MODE_DATA {
+            custom_mode,
+            intended_custom_mode: custom_mode,
+            standard_mode: standard_mode(out.mode),
+        };
+        self.send(&m, sink);
     }
 }

@@ -1,10 +1,8 @@
 //! Where the vehicle is and how well it knows.
 
-use super::View;
+use super::Outgoing;
 use crate::link::{Link, Sink, global};
-use crate::param::Params;
 use crate::signal::ImuHealth;
-use crate::vehicle::StepOutput;
 use mavlink::dialects::common as mav;
 use mavlink::types::CharArray;
 
@@ -18,7 +16,9 @@ fn heading_cdeg(yaw: f32) -> u16 {
 }
 
 impl Link {
-    pub(super) fn send_global_position(&mut self, v: &View, params: &Params, sink: Sink) {
+    pub(super) fn send_global_position(&mut self, at: &Outgoing, sink: Sink) {
+        let Outgoing { params, .. } = *at;
+        let v = &at.view();
         let (Some([n, e, d]), Some([vn, ve, vd])) = (v.position, v.velocity) else {
             return;
         };
@@ -38,7 +38,9 @@ impl Link {
         self.send(&m, sink);
     }
 
-    pub(super) fn send_hud(&mut self, v: &View, out: &StepOutput, params: &Params, sink: Sink) {
+    pub(super) fn send_hud(&mut self, at: &Outgoing, sink: Sink) {
+        let Outgoing { out, params, .. } = *at;
+        let v = &at.view();
         let [vn, ve, _] = v.velocity.unwrap_or_default();
         let [_, _, yaw] = v.euler;
         let mean: f32 = out.actuation.throttle.iter().map(|t| t).sum::<f32>() * 0.25;
@@ -53,7 +55,9 @@ impl Link {
         self.send(&m, sink);
     }
 
-    pub(super) fn send_position_target(&mut self, v: &View, out: &StepOutput, sink: Sink) {
+    pub(super) fn send_position_target(&mut self, at: &Outgoing, sink: Sink) {
+        let Outgoing { out, .. } = *at;
+        let v = &at.view();
         let Some(r) = &out.reference else { return };
         let m = mav::POSITION_TARGET_LOCAL_NED_DATA {
             time_boot_ms: v.boot_ms,
@@ -71,7 +75,9 @@ impl Link {
     }
 
     /// Position in LOCAL_NED around the anchor, velocity in body axes.
-    pub(super) fn send_odometry(&mut self, v: &View, out: &StepOutput, sink: Sink) {
+    pub(super) fn send_odometry(&mut self, at: &Outgoing, sink: Sink) {
+        let Outgoing { out, .. } = *at;
+        let v = &at.view();
         let (Some([x, y, z]), Some(velocity)) = (v.position, &out.estimate.velocity) else {
             return;
         };
@@ -111,7 +117,8 @@ impl Link {
 
     /// Elevation and azimuth in degrees, length in m, tension in N; in the taut-link modes also elevation
     /// and pitch in degrees and link force in N as the inertial observer sees them.
-    pub(super) fn send_tether(&mut self, out: &StepOutput, sink: Sink) {
+    pub(super) fn send_tether(&mut self, at: &Outgoing, sink: Sink) {
+        let Outgoing { out, .. } = *at;
         let degrees = |angle: f32| angle.to_degrees();
         let tether = out.estimate.tether.as_ref().map(|tether| {
             [
@@ -148,7 +155,8 @@ impl Link {
     }
 
     /// MAVLink gives the tension in kg.
-    pub(super) fn send_winch(&mut self, out: &StepOutput, sink: Sink) {
+    pub(super) fn send_winch(&mut self, at: &Outgoing, sink: Sink) {
+        let Outgoing { out, .. } = *at;
         let Some(tether) = &out.estimate.tether else {
             return;
         };
@@ -170,7 +178,8 @@ impl Link {
         self.send(&m, sink);
     }
 
-    pub(super) fn send_home(&mut self, params: &Params, sink: Sink) {
+    pub(super) fn send_home(&mut self, at: &Outgoing, sink: Sink) {
+        let Outgoing { params, .. } = *at;
         let (latitude, longitude) = global::to_lat_lon(params, 0.0, 0.0);
         let m = mav::HOME_POSITION_DATA {
             latitude,
@@ -182,13 +191,9 @@ impl Link {
         self.send(&m, sink);
     }
 
-    pub(super) fn send_estimator_status(
-        &mut self,
-        v: &View,
-        out: &StepOutput,
-        params: &Params,
-        sink: Sink,
-    ) {
+    pub(super) fn send_estimator_status(&mut self, at: &Outgoing, sink: Sink) {
+        let Outgoing { out, params, .. } = *at;
+        let v = &at.view();
         use mav::EstimatorStatusFlags as F;
         let e = &out.estimate;
         let mut flags = F::empty();

@@ -1,8 +1,7 @@
 //! What the vehicle is and how it does.
 
-use super::standard_mode;
+use super::{Outgoing, standard_mode};
 use crate::link::{Link, Sink, speaks_px4};
-use crate::param::Params;
 use crate::signal::{Event, ImuHealth, Severity};
 use crate::supervisor::{MODES, ModeRule};
 use crate::vehicle::StepOutput;
@@ -29,7 +28,8 @@ fn base_mode(out: &StepOutput) -> mav::MavModeFlag {
 }
 
 impl Link {
-    pub(super) fn send_heartbeat(&mut self, out: &StepOutput, params: &Params, sink: Sink) {
+    pub(super) fn send_heartbeat(&mut self, at: &Outgoing, sink: Sink) {
+        let Outgoing { out, params, .. } = *at;
         let autopilot = if speaks_px4(params) {
             mav::MavAutopilot::MAV_AUTOPILOT_PX4
         } else {
@@ -52,7 +52,8 @@ impl Link {
         self.send(&m, sink);
     }
 
-    pub(super) fn send_sys_status(&mut self, out: &StepOutput, sink: Sink) {
+    pub(super) fn send_sys_status(&mut self, at: &Outgoing, sink: Sink) {
+        let Outgoing { out, .. } = *at;
         use mav::MavSysStatusSensor as F;
         let inertial = F::MAV_SYS_STATUS_SENSOR_3D_GYRO | F::MAV_SYS_STATUS_SENSOR_3D_ACCEL;
         let altitude =
@@ -92,7 +93,8 @@ impl Link {
         self.send(&m, sink);
     }
 
-    pub(super) fn send_battery(&mut self, out: &StepOutput, params: &Params, sink: Sink) {
+    pub(super) fn send_battery(&mut self, at: &Outgoing, sink: Sink) {
+        let Outgoing { out, params, .. } = *at;
         let Some(battery) = out.sensors.battery else {
             return;
         };
@@ -116,7 +118,7 @@ impl Link {
         self.send(&m, sink);
     }
 
-    pub(super) fn send_version(&mut self, sink: Sink) {
+    pub(super) fn send_version(&mut self, _: &Outgoing, sink: Sink) {
         use mav::MavProtocolCapability as C;
         let capabilities = C::MAV_PROTOCOL_CAPABILITY_PARAM_FLOAT
             | C::MAV_PROTOCOL_CAPABILITY_PARAM_ENCODE_BYTEWISE
@@ -134,7 +136,8 @@ impl Link {
     }
 
     /// Index 0 asks for all; after an accepted request the last index is always sent.
-    pub(super) fn send_available_modes(&mut self, index: u16, sink: Sink) {
+    pub(super) fn send_available_modes(&mut self, at: &Outgoing, sink: Sink) {
+        let Outgoing { argument: index, .. } = *at;
         let mut count = 0_u8;
         for rule in &MODES {
             count += 1;
