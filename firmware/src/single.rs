@@ -11,6 +11,7 @@ use crate::signal::{
     PlanarReference, Sensors, TetherState, WinchCommand, Wrench,
 };
 use crate::time::Sample;
+use core::any::Any;
 use nalgebra::SMatrix;
 
 /// The same in single precision.
@@ -19,6 +20,18 @@ pub trait Single {
     type Single;
     /// Converts; what is no number stays.
     fn single(&self) -> Self::Single;
+}
+
+/// [`Single::single`], as a plain copy where it is in single precision already.
+#[inline]
+pub fn in_single<T: Single + 'static>(value: &T) -> T::Single
+where
+    T::Single: Copy + 'static,
+{
+    match (value as &dyn Any).downcast_ref::<T::Single>() {
+        Some(same) => *same,
+        None => value.single(),
+    }
 }
 
 impl<S: Scalar> Single for S {

@@ -51,6 +51,15 @@ impl Autopilot {
         }
     }
 
+    /// After each step: what a changed parameter concerns is made anew.
+    pub fn maintain(&mut self) {
+        match self {
+            Self::F32(vehicle) => vehicle.maintain(),
+            Self::F64(vehicle) => vehicle.maintain(),
+            Self::Q16(vehicle) => vehicle.maintain(),
+        }
+    }
+
     /// Its parameters.
     #[must_use]
     pub fn params(&self) -> &Params {

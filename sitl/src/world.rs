@@ -86,6 +86,7 @@ impl World {
             Ok(()) => {}
             Err(never) => match never {},
         }
+        self.vehicle.maintain();
         self.link.transmit(&out, self.vehicle.params(), send);
         self.outside.let_go(out.mode);
         out

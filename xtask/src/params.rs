@@ -12,13 +12,14 @@ fn text() -> String {
          Set them from a ground station, with `cargo sitl --param NAME=VALUE`, or in a scenario's `[params]`.\n\
          Those of the groups Vehicle, Motors, Sensors and Tether can only be set on the ground.\n",
     );
-    let mut group = "";
+    let mut group = None;
     for (meta, doc) in META.iter().zip(DOCS) {
-        if meta.group != group {
-            group = meta.group;
+        if group != Some(meta.group) {
+            group = Some(meta.group);
             let _ = write!(
                 out,
-                "\n## {group}\n\n| name | default | range | unit | meaning |\n|---|---|---|---|---|\n"
+                "\n## {}\n\n| name | default | range | unit | meaning |\n|---|---|---|---|---|\n",
+                meta.group.title()
             );
         }
         let unit = if doc.unit.is_empty() { "-" } else { doc.unit };

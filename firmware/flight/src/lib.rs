@@ -86,9 +86,10 @@ impl<SPI: SpiDevice, PWM: SetDutyCycle> Flight<SPI, PWM> {
         step(&mut self.vehicle, input)
     }
 
-    /// The motors' pulses of a step.
+    /// The motors' pulses of a step; then there is time for what waited.
     pub fn drive(&mut self, out: &StepOutput) {
         // A timer's registers do not fail.
         let _ = self.motors.write(&out.actuation.throttle);
+        self.vehicle.maintain();
     }
 }

@@ -43,6 +43,7 @@ impl<S: Scalar> AttitudeCommand<S> {
 impl<S: Scalar> AttitudeLoop<S> {
     /// From the parameters.
     #[must_use]
+    #[inline(never)]
     pub fn new(p: &Params) -> Self {
         let f = S::from_f32;
         Self {

@@ -36,6 +36,7 @@ const YAW_SHARE: f64 = 0.25;
 impl<S: Scalar> Mixer<S> {
     /// From the parameters, roll and pitch first.
     #[must_use]
+    #[inline(never)]
     pub fn new(p: &Params) -> Self {
         Self {
             arm: S::from_f32(p.arm),

@@ -110,6 +110,7 @@ pub struct PositionOutput<S: Scalar> {
 impl<S: Scalar> PositionLoop<S> {
     /// From the parameters.
     #[must_use]
+    #[inline(never)]
     pub fn new(p: &Params) -> Self {
         let f = S::from_f32;
         Self {

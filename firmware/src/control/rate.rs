@@ -76,6 +76,7 @@ impl<S: Scalar> Default for RateState<S> {
 impl<S: Scalar> RateLoop<S> {
     /// From the parameters.
     #[must_use]
+    #[inline(never)]
     pub fn new(p: &Params) -> Self {
         let f = S::from_f32;
         Self {

@@ -17,6 +17,7 @@ pub struct ThrustMap<S> {
 impl<S: Scalar> ThrustMap<S> {
     /// From the parameters.
     #[must_use]
+    #[inline(never)]
     pub fn new(p: &Params) -> Self {
         Self {
             thrust_max: S::from_f32(p.rotor_thrust_max),

@@ -4,6 +4,7 @@ use super::flight::SLOW;
 use super::topics::three;
 use super::ulog::record;
 use crate::estimate::tether_angle::{TetherAngleState, plane_angles};
+use crate::scalar::Scalar;
 
 record! {
     /// `estimator_ekf4`: health of the four-state filter and its attitude source.
@@ -122,7 +123,7 @@ record! {
             angle: pick(|p| p.belief.x.angle),
             angle_rate: pick(|p| p.belief.x.rate),
             tilt: pick(|p| p.belief.x.tilt),
-            angle_sd: pick(|p| p.belief.covariance.m11.sqrt()),
+            angle_sd: pick(|p| Scalar::sqrt(p.belief.covariance.m11)),
             angle_setpoint: asked,
             tension: angle.tension,
             mode_x,

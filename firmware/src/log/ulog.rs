@@ -25,6 +25,8 @@ pub trait Field {
 pub struct Body(Vec<u8, MAX_BODY>);
 
 impl Body {
+    // For size: every field of every topic comes through here.
+    #[inline(never)]
     fn bytes(&mut self, bytes: &[u8]) {
         let room = MAX_BODY - self.0.len();
         let _ = self.0.extend_from_slice(bytes.get(..bytes.len().min(room)).unwrap_or(&[]));

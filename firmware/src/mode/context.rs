@@ -116,13 +116,13 @@ impl<S: Scalar> Context<'_, S> {
     pub(super) fn tension(&self, handover: &Handover<S>, is_far_out: bool, fixed: FixedPull) -> S {
         let now = self.situation.setpoints.tension;
         let is_slack = || self.situation.estimate.tether.is_none_or(|t| !t.is_taut);
-        let target = match self.config.link {
+        let target = match self.config.constants.link {
             Link::Free => return S::zero(),
             Link::FixedLength if fixed == FixedPull::FloorNow || is_slack() => {
-                return self.config.tension_floor;
+                return self.config.constants.tension_floor;
             }
-            Link::FixedLength if fixed == FixedPull::Floor => self.config.tension_floor,
-            Link::Winch if !is_far_out => self.config.tension_low,
+            Link::FixedLength if fixed == FixedPull::Floor => self.config.constants.tension_floor,
+            Link::Winch if !is_far_out => self.config.constants.tension_low,
             Link::FixedLength | Link::Winch => handover.tension,
         };
         let dt = S::lit(OUTER_DT);

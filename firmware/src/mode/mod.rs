@@ -50,13 +50,34 @@ pub(crate) struct ModeConfig<S: Scalar> {
 
 impl<S: Scalar> ModeConfig<S> {
     pub fn new(p: &Params) -> Self {
-        let kind = LinkKind::from_parameter(p.tether_kind);
         Self {
-            slack_hover: takeoff::SlackHoverPlan::new(p, kind == LinkKind::Cable),
-            taut: taut::TautConfig::new(p).filter(|_| !kind.is_free()),
-            angle: tether_angle::AngleConfig::new(p),
-            pendulum: pendulum::PendulumConfig::new(p),
+            slack_hover: Self::slack_hover(p),
+            taut: Self::taut(p),
+            angle: Self::angle(p),
+            pendulum: Self::pendulum(p),
         }
+    }
+
+    #[inline(never)]
+    pub fn slack_hover(p: &Params) -> Option<takeoff::SlackHoverPlan<S>> {
+        let kind = LinkKind::from_parameter(p.tether_kind);
+        takeoff::SlackHoverPlan::new(p, kind == LinkKind::Cable)
+    }
+
+    #[inline(never)]
+    pub fn taut(p: &Params) -> Option<taut::TautConfig<S>> {
+        let is_free = LinkKind::from_parameter(p.tether_kind).is_free();
+        taut::TautConfig::new(p).filter(|_| !is_free)
+    }
+
+    #[inline(never)]
+    pub fn angle(p: &Params) -> Option<tether_angle::AngleConfig<S>> {
+        tether_angle::AngleConfig::new(p)
+    }
+
+    #[inline(never)]
+    pub fn pendulum(p: &Params) -> Option<pendulum::PendulumConfig<S>> {
+        pendulum::PendulumConfig::new(p)
     }
 }
 

@@ -148,7 +148,7 @@ impl<S: Scalar> FlightMode<S> for TetherAngle<S> {
                 config.control.step(model_y, y, &plane_y.belief.x).rate,
             ];
         }
-        let step = cx.config.weight * S::lit(THRUST_RATE * OUTER_DT);
+        let step = cx.config.constants.weight * S::lit(THRUST_RATE * OUTER_DT);
         self.thrust += (config.thrust - self.thrust).limit_abs(step);
         let heading = handover.heading;
         let (.., yaw) = attitude.euler();

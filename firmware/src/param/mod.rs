@@ -7,7 +7,7 @@
 
 mod tree;
 
-pub use tree::{DOCS, META, Params};
+pub use tree::{DOCS, Group, META, Params};
 
 /// How a value travels and is shown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -23,8 +23,8 @@ pub enum Kind {
 pub struct Meta {
     /// MAVLink name, at most 16 bytes.
     pub name: &'static str,
-    /// Heading in the documentation.
-    pub group: &'static str,
+    /// What it belongs to.
+    pub group: Group,
     /// Real or whole.
     pub kind: Kind,
     /// Value at first start.
@@ -94,9 +94,10 @@ const fn bytes_fit(name: &str) -> bool {
 
 /// Declares all parameters; see `tree.rs`.
 macro_rules! params {
-    ($( $group:literal { $( $(#[doc = $doc:literal])+ $field:ident : $name:literal $kind:ident [$unit:literal] = $default:literal in $min:literal ..= $max:literal ; )+ } )+) => {
+    ($( $group:ident $title:literal { $( $(#[doc = $doc:literal])+ $field:ident : $name:literal $kind:ident [$unit:literal] = $default:literal in $min:literal ..= $max:literal ; )+ } )+) => {
         /// Every setting of the vehicle, in SI units, as stored and sent.
-        #[derive(Clone, Copy, Debug, PartialEq)]
+        #[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+        #[repr(C)]
         pub struct Params {
             $($(
                 $(#[doc = $doc])+
@@ -111,11 +112,25 @@ macro_rules! params {
             }
         }
 
+        /// What a parameter belongs to: a heading in the documentation, and what is made anew when it changes.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        pub enum Group {
+            $(#[doc = $title] $group,)+
+        }
+
+        impl Group {
+            /// Heading in the documentation.
+            #[must_use]
+            pub const fn title(self) -> &'static str {
+                match self { $(Self::$group => $title,)+ }
+            }
+        }
+
         /// All parameters in the order of their MAVLink index.
         pub const META: &[$crate::param::Meta] = &[$($(
             $crate::param::Meta {
                 name: $name,
-                group: $group,
+                group: Group::$group,
                 kind: $crate::param::Kind::$kind,
                 default: $default,
                 min: $min,
@@ -134,15 +149,17 @@ macro_rules! params {
         )+)+
 
         impl Params {
+            // All fields are `f32`, in the order of the table: a list of them by another name.
             pub(super) fn slot(&mut self, index: usize) -> Option<&mut f32> {
-                let mut slots = [$($( &mut self.$field, )+)+].into_iter();
-                slots.nth(index)
+                let values: &mut [f32; META.len()] = bytemuck::cast_mut(self);
+                values.get_mut(index)
             }
 
             /// The value at an index.
             #[must_use]
             pub fn get(&self, index: usize) -> Option<f32> {
-                [$($( self.$field, )+)+].get(index).copied()
+                let values: &[f32; META.len()] = bytemuck::cast_ref(self);
+                values.get(index).copied()
             }
         }
     };

@@ -3,7 +3,7 @@
 use super::params;
 
 params! {
-    "Vehicle" {
+    Vehicle "Vehicle" {
         /// Take-off mass, battery included, tether not.
         mass: "VEH_MASS" Real ["kg"] = 1.5 in 0.1 ..= 50.0;
         /// Moment of inertia about the nose axis.
@@ -21,7 +21,7 @@ params! {
         /// Height of the centre of mass above the ground when landed.
         ground_height: "VEH_H_GND" Real ["m"] = 0.15 in 0.0 ..= 2.0;
     }
-    "Motors" {
+    Motors "Motors" {
         /// Thrust of one rotor at full throttle and nominal voltage.
         rotor_thrust_max: "MOT_THR_MAX" Real ["N"] = 8.1 in 0.1 ..= 500.0;
         /// Lowest thrust of one rotor in flight; keeps the motors turning.
@@ -39,7 +39,7 @@ params! {
         /// Motor output: 0 = 400 Hz PWM, 1 = OneShot125.
         output_protocol: "MOT_PROTO" Int [""] = 0.0 in 0.0 ..= 1.0;
     }
-    "Sensors" {
+    Sensors "Sensors" {
         /// Sensor board axes to body axes: 0 = (x,y,z), 1 = (y,x,-z) SpeedyBee F405 V4, 2 = (-y,x,z) Matek F405-TE, 3 = (-x,-y,z) and 4 = (y,-x,z) Matek H743-SLIM.
         board_rotation: "SENS_BOARD_ROT" Int [""] = 1.0 in 0.0 ..= 4.0;
         /// Accelerometer offset, nose axis.
@@ -77,7 +77,7 @@ params! {
         /// Voltage of an empty cell.
         cell_empty: "BAT1_V_EMPTY" Real ["V"] = 3.4 in 2.5 ..= 4.0;
     }
-    "Tether" {
+    Tether "Tether" {
         /// Link: 0 = cable of fixed length, 1 = cable on a constant-tension winch, 2 = strut (pushes), 3 = bar (pulls and pushes), 4 = none (flies free under motion capture).
         tether_kind: "TET_KIND" Int [""] = 1.0 in 0.0 ..= 4.0;
         /// Length of a fixed tether; with a winch, length paid out after take-off.
@@ -101,7 +101,7 @@ params! {
         /// Longest tether a set-point may ask of the winch.
         length_max: "TET_LEN_MAX" Real ["m"] = 30.0 in 1.0 ..= 200.0;
     }
-    "Estimator" {
+    Estimator "Estimator" {
         /// Attitude: pull towards the accelerometer's vertical.
         mahony_kp: "ATT_W_ACC" Real ["rad/s"] = 0.2 in 0.0 ..= 5.0;
         /// Attitude: gyro bias gain.
@@ -123,7 +123,7 @@ params! {
         /// Low-passed innovation test ratio beyond which the estimate counts as diverged.
         divergence_ratio: "EST_DIV_RATIO" Real [""] = 9.0 in 1.0 ..= 1000.0;
     }
-    "Position control" {
+    PositionControl "Position control" {
         /// Tangential position gain.
         position_p: "TPC_P" Real ["1/s^2"] = 1.2 in 0.05 ..= 20.0;
         /// Tangential velocity gain.
@@ -155,7 +155,7 @@ params! {
         /// Speed of moves to a new set-point.
         cruise_speed: "TPC_XY_CRUISE" Real ["m/s"] = 1.0 in 0.1 ..= 5.0;
     }
-    "Attitude and rate control" {
+    AttitudeRateControl "Attitude and rate control" {
         /// Tilt error to rate.
         attitude_p: "ATC_TILT_P" Real ["1/s"] = 7.0 in 0.5 ..= 30.0;
         /// Yaw error to rate.
@@ -179,7 +179,7 @@ params! {
         /// Largest climb and sink rate asked by the sticks in Altitude.
         stick_climb_rate: "MAN_CLIMB_RATE" Real ["m/s"] = 1.0 in 0.1 ..= 5.0;
     }
-    "Taut link" {
+    TautLink "Taut link" {
         /// Observer speed in Taut Force: larger is slower and quieter. About 2 at 5 m, growing as length^0.3.
         taut_epsilon_force: "TLK_EPS_FRC" Real [""] = 2.0 in 0.3 ..= 10.0;
         /// Observer speed in Taut Attitude.
@@ -203,7 +203,7 @@ params! {
         /// Time constant with which the altimeter corrects the elevation; 0 = by inertia alone.
         taut_altimeter_tau: "TLK_ALT_TAU" Real ["s"] = 1.5 in 0.0 ..= 60.0;
     }
-    "Tether angle" {
+    TetherAngle "Tether angle" {
         /// Thrust over mass in Tether Angle: more tension, and so a better estimate, the higher it is.
         angle_thrust: "TAG_THR_ACC" Real ["m/s^2"] = 16.0 in 10.5 ..= 40.0;
         /// Time constant of the tether angle.
@@ -219,7 +219,7 @@ params! {
         /// Process noise of the filter; 0.02 and more is unstable in two planes.
         angle_sigma: "TAG_SIGMA" Real ["rad/s^2"] = 0.005 in 0.0001 ..= 0.5;
     }
-    "Motion capture" {
+    MotionCapture "Motion capture" {
         /// Age of a sample when it arrives.
         capture_delay: "CAP_DELAY" Real ["s"] = 0.02 in 0.0 ..= 0.12;
         /// Bandwidth with which samples hold position and velocity.
@@ -227,7 +227,7 @@ params! {
         /// Silence after which there is no position.
         capture_timeout: "CAP_TIMEOUT" Real ["s"] = 0.2 in 0.03 ..= 2.0;
     }
-    "Pendulum" {
+    Pendulum "Pendulum" {
         /// Mass of the load on the rod.
         pendulum_load: "PND_LOAD" Real ["kg"] = 0.03 in 0.001 ..= 10.0;
         /// Length of the rod, joint to load.
@@ -275,7 +275,7 @@ params! {
         /// Duration of the soft start.
         pendulum_soft_start: "PND_SOFT" Real ["s"] = 4.0 in 0.5 ..= 20.0;
     }
-    "Take-off and landing" {
+    TakeoffLanding "Take-off and landing" {
         /// Altitude reached when the ground station names none.
         takeoff_altitude: "MIS_TAKEOFF_ALT" Real ["m"] = 5.0 in 1.0 ..= 100.0;
         /// Altitude of the vertical climb near the anchor (winch).
@@ -293,7 +293,7 @@ params! {
         /// Time armed on the ground without take-off before the motors stop by themselves.
         preflight_disarm: "COM_DISARM_PRFLT" Real ["s"] = 15.0 in 2.0 ..= 120.0;
     }
-    "Failsafes" {
+    Failsafes "Failsafes" {
         /// Silence of the ground station before its action.
         link_loss_time: "FS_LINK_T" Real ["s"] = 5.0 in 0.5 ..= 600.0;
         /// On link loss: 1 = hold, 2 = land, 3 = flat-attitude descent.
@@ -315,7 +315,7 @@ params! {
         /// Cell voltage at which it descends at once where it is.
         battery_critical: "BAT_CRIT_V" Real ["V"] = 3.3 in 2.5 ..= 4.2;
     }
-    "Ground station" {
+    GroundStation "Ground station" {
         /// MAVLink system id.
         system_id: "MAV_SYS_ID" Int [""] = 1.0 in 1.0 ..= 255.0;
         /// Autopilot type in the heartbeat: 12 = PX4 (modes and guided actions work in QGroundControl), 0 = generic.

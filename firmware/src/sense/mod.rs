@@ -100,6 +100,7 @@ fn captured<S: Scalar>(sample: Sample<RawCapture>) -> Option<Sample<Capture<S>>>
 impl<S: Scalar> Sense<S> {
     /// From the parameters and the driver's scale.
     #[must_use]
+    #[inline(never)]
     pub fn new(params: &Params, scale: ImuScale) -> Self {
         Self {
             mounting: Mounting::from_parameter(params.board_rotation),

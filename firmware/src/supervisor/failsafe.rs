@@ -290,6 +290,7 @@ impl Failure {
 impl Failsafes {
     /// From the parameters.
     #[must_use]
+    #[inline(never)]
     pub fn new(p: &Params) -> Self {
         let micros = |seconds: f32| (seconds * 1e6) as u64;
         Self {

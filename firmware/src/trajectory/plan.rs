@@ -85,6 +85,7 @@ pub struct Planner<S> {
 impl<S: Scalar> Planner<S> {
     /// From the parameters.
     #[must_use]
+    #[inline(never)]
     pub fn new(p: &Params) -> Self {
         let f = S::from_f32;
         Self {

@@ -25,7 +25,7 @@ impl<S: Scalar> Vehicle<S> {
     fn arming_facts(&self, cx: &Context<'_, S>) -> ArmingFacts {
         let (estimate, p) = (&cx.situation.estimate, &self.params);
         let is_open = || cx.fresh_sticks().is_none_or(|s| s.throttle > CLOSED_THROTTLE);
-        let pull = if self.config.link == Link::Free { 0.0 } else { p.tension };
+        let pull = if self.config.constants.link == Link::Free { 0.0 } else { p.tension };
         let weight = p.mass * crate::math::GRAVITY as f32;
         ArmingFacts {
             imu: cx.sensors.imu_health,
@@ -48,13 +48,13 @@ impl<S: Scalar> Vehicle<S> {
 
     /// As the mode sees it that flies on the link; else as the estimator does.
     fn link_is_taut(&self, cx: &Context<'_, S>) -> bool {
-        let kind = self.config.kind;
+        let kind = self.config.constants.kind;
         let estimated = || cx.situation.estimate.tether.is_none_or(|tether| tether.is_taut);
         self.mode.sees_pull(cx).unwrap_or_else(|| kind.is_rigid() || kind.is_free() || estimated())
     }
 
     fn tether_is_known(&self, sensors: &Sensors<S>) -> bool {
-        sensors.tether_is_fresh || self.config.link != Link::Winch
+        sensors.tether_is_fresh || self.config.constants.link != Link::Winch
     }
 
     fn failsafe_facts(&self, cx: &Context<'_, S>) -> FailsafeFacts {
@@ -66,7 +66,7 @@ impl<S: Scalar> Vehicle<S> {
             has_diverged: estimate.has_diverged,
             altitude_is_fresh: cx.sensors.altitude_is_fresh,
             is_taut: self.link_is_taut(cx),
-            has_capture: !self.config.kind.is_free() || estimate.position.is_some(),
+            has_capture: !self.config.constants.kind.is_free() || estimate.position.is_some(),
             tether_is_known: self.tether_is_known(cx.sensors),
             cell: cx.sensors.battery.map(|battery| battery.cell.to_f32()),
             link_silence_us: self.state.link_at.map(|at| cx.now.since(at)),
@@ -120,7 +120,7 @@ impl<S: Scalar> Vehicle<S> {
             return;
         };
         // Landing needs a position; without one, level and down. In free flight a hold hovers until it is back.
-        let hovers = action == FailsafeAction::Hold && self.config.kind.is_free();
+        let hovers = action == FailsafeAction::Hold && self.config.constants.kind.is_free();
         let needs_place = mode.rule().needs.position && !hovers;
         let mode = if needs_place && !self.has_place() { FailsafeAction::LEVEL } else { mode };
         let present = self.mode.mode();
@@ -217,7 +217,7 @@ impl<S: Scalar> Vehicle<S> {
         if self.mode.mode().lands() {
             self.mode.rest(&cx);
         }
-        if self.config.link == Link::Free {
+        if self.config.constants.link == Link::Free {
             // Nothing points anywhere: as it was put down.
             let (.., yaw) = cx.situation.estimate.attitude.euler();
             self.mode.handover_mut().heading = yaw;
@@ -225,7 +225,7 @@ impl<S: Scalar> Vehicle<S> {
         self.situation.armed_at = Some(at.now);
         self.state.landed_at = None;
         self.situation.setpoints.ground = GroundState::OnGround;
-        self.situation.setpoints.tension = self.config.tension_low;
+        self.situation.setpoints.tension = self.config.constants.tension_low;
         events.push(Event::info("Armed"));
         Ok(())
     }

@@ -69,7 +69,7 @@ impl<S: Scalar> Vehicle<S> {
         let k = S::lit(SMOOTHING);
         let tension = estimate.tether.map_or(S::zero(), |tether| tether.tension);
         // Motion capture is quiet enough as it is.
-        let is_noisy = self.config.link != Link::Free;
+        let is_noisy = self.config.constants.link != Link::Free;
         match &mut situation.smoothed {
             Some(s) if is_noisy && situation.estimator.is_airborne() => {
                 s.position.0 += (position.0 - s.position.0) * k;

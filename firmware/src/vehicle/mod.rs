@@ -19,7 +19,7 @@ mod requests;
 pub use crate::mode::PendulumReport;
 pub use output::{StepInput, StepOutput};
 
-use crate::config::Config;
+use crate::config::{Config, Stale};
 use crate::control::{AttitudeCommand, ClimbState, PositionState, RateSetpoint, RateState};
 use crate::estimate::Phase;
 use crate::estimate::taut::{TautEstimatorState, TautInput};
@@ -41,6 +41,8 @@ pub struct Vehicle<S: Scalar = f32> {
     params: Params,
     scale: ImuScale,
     config: Config<S>,
+    /// What of it does not follow the parameters yet.
+    stale: Stale,
     mode: ActiveMode<S>,
     situation: Situation<S>,
     state: State<S>,
@@ -128,7 +130,7 @@ impl<S: Scalar> Vehicle<S> {
             setpoints: Setpoints {
                 attitude: AttitudeCommand::idle(),
                 reference: None,
-                tension: config.tension_low,
+                tension: config.constants.tension_low,
                 ground: GroundState::OnGround,
                 wants_down: false,
                 notice: None,
@@ -151,10 +153,10 @@ impl<S: Scalar> Vehicle<S> {
                 thrusts: [S::zero(); ROTORS],
                 throttle: [S::zero(); ROTORS],
                 is_armed: false,
-                winch: WinchCommand { tension: config.tension_low },
+                winch: WinchCommand { tension: config.constants.tension_low },
             },
         };
-        Self { params, scale, config, mode, situation, state }
+        Self { params, scale, config, stale: Stale::default(), mode, situation, state }
     }
 
     /// All settings.
@@ -171,6 +173,16 @@ impl<S: Scalar> Vehicle<S> {
 
     fn context<'a>(&'a self, at: Moment<'a, S>) -> Context<'a, S> {
         context!(self, at)
+    }
+
+    /// Call it after each step, when the pulses are out: makes one block anew that a changed parameter concerns. It
+    /// may take as long as a step, but no millisecond has two.
+    pub fn maintain(&mut self) {
+        let has_renewed = self.config.renew(&mut self.stale, &self.params, self.scale);
+        if has_renewed && self.situation.armed_at.is_none() {
+            // The place to start from follows from the parameters.
+            self.situation.estimator.replace(&self.config.estimator);
+        }
     }
 
     /// One step; call it at every inertial sample, or at the same rate when the sensor is silent.
@@ -302,7 +314,7 @@ impl<S: Scalar> Vehicle<S> {
                 // The specific force is the thrust, which has no sideways part, and the pull.
                 _ if self.mode.mode().flies_taut() => {
                     let force = situation.taut.estimate().map_or(V3::zeros(), |taut| taut.accel.0);
-                    Body(V3::new(force.x, force.y, S::zero()) * self.config.mass)
+                    Body(V3::new(force.x, force.y, S::zero()) * self.config.constants.mass)
                 }
                 (Some(tether), Some(position))
                     if tether.is_taut && situation.estimator.is_airborne() =>
@@ -322,8 +334,8 @@ impl<S: Scalar> Vehicle<S> {
                 situation.mixer,
                 dt,
             );
-            let thrust =
-                situation.setpoints.attitude.thrust * state.contact_ramp / self.config.thrust_scale;
+            let thrust = situation.setpoints.attitude.thrust * state.contact_ramp
+                / self.config.constants.thrust_scale;
             state.wrench = Wrench { thrust, torque };
             let (thrusts, report) = self.config.mixer.step(&state.wrench);
             state.actuation.thrusts = thrusts;

@@ -11,7 +11,7 @@ use crate::signal::{
     Actuation, Estimate, EventQueue, FlightReference, MixerReport, PlanarReference, Reply, Request,
     Sensors, Sticks, Wrench,
 };
-use crate::single::Single;
+use crate::single::in_single;
 use crate::supervisor::{GroundState, Mode};
 use crate::time::{Micros, Sample};
 
@@ -87,20 +87,20 @@ impl<S: Scalar> Vehicle<S> {
         let report = self.mode.report();
         StepOutput {
             now,
-            sensors: sensors.single(),
-            estimate: situation.estimate.single(),
-            reference: situation.setpoints.reference.single(),
-            taut: situation.taut.estimate().map(Single::single),
-            taut_reference: report.taut.single(),
-            angle: report.angle.single(),
+            sensors: in_single(sensors),
+            estimate: in_single(&situation.estimate),
+            reference: in_single(&situation.setpoints.reference),
+            taut: situation.taut.estimate().map(in_single),
+            taut_reference: in_single(&report.taut),
+            angle: in_single(&report.angle),
             pendulum: situation.rod.as_ref().map(|rod| PendulumReport {
-                estimate: rod.estimate.single(),
-                reference: report.load.single(),
+                estimate: in_single(&rod.estimate),
+                reference: in_single(&report.load),
             }),
-            rate_setpoint: situation.setpoints.attitude.rate.single(),
-            wrench: state.wrench.single(),
+            rate_setpoint: in_single(&situation.setpoints.attitude.rate),
+            wrench: in_single(&state.wrench),
             mixer: situation.mixer,
-            actuation: state.actuation.single(),
+            actuation: in_single(&state.actuation),
             mode: self.mode.mode(),
             is_armed: situation.armed_at.is_some(),
             ground: situation.setpoints.ground,

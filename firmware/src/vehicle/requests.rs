@@ -1,10 +1,10 @@
 //! What is asked from outside: checked, then done or refused with a reason.
 
 use super::{Moment, Vehicle, context};
-use crate::config::Config;
+use crate::config::Stale;
 use crate::mode::pendulum::gain_warning;
 use crate::mode::{Entry, Refusal, denied, rejected};
-use crate::param::{META, Params};
+use crate::param::{Group, META, Params};
 use crate::scalar::Scalar;
 use crate::signal::{Action, Event, EventQueue, Outcome, Reply, Request};
 use crate::supervisor::Mode;
@@ -59,14 +59,17 @@ impl<S: Scalar> Vehicle<S> {
         at: Moment<'_, S>,
         events: &mut EventQueue,
     ) -> Result<(), Refusal> {
-        let guarded = |group: &str| matches!(group, "Vehicle" | "Motors" | "Sensors" | "Tether");
-        if self.context(at).is_in_air() && META.get(index).is_some_and(|meta| guarded(meta.group)) {
+        let group = META.get(index).map(|meta| meta.group);
+        let is_guarded =
+            matches!(group, Some(Group::Vehicle | Group::Motors | Group::Sensors | Group::Tether));
+        if is_guarded && self.context(at).is_in_air() {
             return Err(rejected("Parameter refused: not in the air"));
         }
         self.params.set(index, value).map_err(|_| denied("Parameter refused: out of range"))?;
-        self.reconfigure();
-        let concerns_pendulum = META.get(index).is_some_and(|meta| meta.group == "Pendulum");
-        if let Some(text) = gain_warning(&self.params).filter(|_| concerns_pendulum) {
+        self.reconfigure(group.map_or(Stale::ALL, Stale::after));
+        if group == Some(Group::Pendulum)
+            && let Some(text) = gain_warning(&self.params)
+        {
             events.push(Event::warning(text));
         }
         Ok(())
@@ -77,15 +80,14 @@ impl<S: Scalar> Vehicle<S> {
             return Err(rejected("Reset refused: armed"));
         }
         self.params = Params::default();
-        self.reconfigure();
+        self.reconfigure(Stale::ALL);
         Ok(())
     }
 
-    fn reconfigure(&mut self) {
-        self.config = Config::new(&self.params, self.scale);
+    /// The blocks follow one by one, in [`Self::maintain`].
+    fn reconfigure(&mut self, stale: Stale) {
+        self.stale.add(stale);
         if self.situation.armed_at.is_none() {
-            // The place to start from and the heading follow from the parameters.
-            self.situation.estimator.replace(&self.config.estimator);
             let handover = self.mode.handover_mut();
             handover.heading = S::from_f32(self.params.start_heading);
             handover.tension = S::from_f32(self.params.tension);

@@ -115,6 +115,7 @@ pub struct TetherEstimatorState<S: Scalar> {
 impl<S: Scalar> TetherEstimator<S> {
     /// From the parameters and the accelerometer's filter at the IMU's rate.
     #[must_use]
+    #[inline(never)]
     pub fn new(p: &Params, accel_filter: Biquad<S>, imu_rate_hz: f32) -> Self {
         let kind = LinkKind::from_parameter(p.tether_kind);
         let has_winch = kind.has_winch();

@@ -159,7 +159,7 @@ impl<S: Scalar> FlightMode<S> for Pendulum<S> {
         cx: &Context<'_, S>,
     ) -> Result<Self, Refusal> {
         let Some(config) = &cx.config.modes.pendulum else {
-            let text = gain_warning(cx.params).filter(|_| cx.config.kind.is_free());
+            let text = gain_warning(cx.params).filter(|_| cx.config.constants.kind.is_free());
             return Err(denied(text.unwrap_or("Mode refused: needs TET_KIND 4, free flight")));
         };
         let situation = cx.situation;

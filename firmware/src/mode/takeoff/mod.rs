@@ -106,7 +106,7 @@ impl<S: Scalar> Takeoff<S> {
             handover.plan = cx.config.planner.takeoff(position, target);
             return Ok(Setpoints { ground: GroundState::InAir, ..self.fly(handover, tension, cx) });
         }
-        let (p, weight) = (cx.params, cx.config.weight);
+        let (p, weight) = (cx.params, cx.config.constants.weight);
         self.spool += S::lit(OUTER_DT);
         let time = S::from_f32(p.spool_time);
         if self.spool > time + S::lit(SPOOL_GRACE) {
@@ -123,7 +123,7 @@ impl<S: Scalar> Takeoff<S> {
 /// Where a take-off to this altitude ends: straight out along the start heading; free straight up.
 fn target<S: Scalar>(altitude: f32, cx: &Context<'_, S>) -> Option<SphericalPoint<S>> {
     let p = cx.params;
-    if cx.config.link == Link::Free {
+    if cx.config.constants.link == Link::Free {
         let here = cx.situation.estimate.position?.0;
         let reaches = altitude > p.ground_height && altitude < p.length_max;
         let above = World(V3::new(here.x, here.y, -S::from_f32(altitude)));

@@ -147,7 +147,7 @@ impl<S: Scalar> Takeoff<S> {
         let error = hover.height - estimate.height;
         let wanted = (error * S::lit(CLIMB_GAIN)).limit_abs(S::lit(CLIMB_MAX));
         let up = cx.config.climb.step(&mut handover.climb, wanted, estimate.climb, dt);
-        let mass = cx.config.mass;
+        let mass = cx.config.constants.mass;
         let asked =
             V3::new((ahead * cos - right * sin) * mass, (ahead * sin + right * cos) * mass, -up);
         let attitude = cx.thrust(asked, handover.heading);

@@ -60,7 +60,7 @@ fn elevation_by_altimeter<S: Scalar>(cx: &Context<'_, S>) -> Option<S> {
     // The link ends below the centre of mass.
     let estimate = &cx.situation.estimate;
     let end = S::from_f32(cx.params.attachment) * estimate.attitude.cos_tilt();
-    let sin = (estimate.height - end) / cx.config.tether_length;
+    let sin = (estimate.height - end) / cx.config.constants.tether_length;
     (cx.sensors.altitude_is_fresh && sin.abs() < S::one()).then(|| sin.asin())
 }
 
@@ -170,7 +170,10 @@ impl<S: Scalar> FlightMode<S> for TautLink<S> {
 
     fn sees_pull(&self, cx: &Context<'_, S>) -> Option<bool> {
         let taut = cx.situation.taut.estimate()?;
-        Some(cx.config.kind.is_rigid() || taut.link_force > S::from_f32(cx.params.slack_tension))
+        Some(
+            cx.config.constants.kind.is_rigid()
+                || taut.link_force > S::from_f32(cx.params.slack_tension),
+        )
     }
 
     fn purpose(&self) -> Option<TautPurpose> {

@@ -117,7 +117,7 @@ impl<S: Scalar> TautLink<S> {
         [y_from, y_to]: [S; 2],
         cx: &Context<'_, S>,
     ) -> S {
-        let way = (to - from).abs() * cx.config.tether_length;
+        let way = (to - from).abs() * cx.config.constants.tether_length;
         let by_speed = S::lit(PEAK) * way / taut.cruise.max(S::lit(0.1));
         let change = (y_to - y_from).abs();
         let by_second = match self.purpose {
