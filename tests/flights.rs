@@ -4,7 +4,7 @@
 
 use tautline_firmware::signal::Event;
 use tautline_sitl::campaign::{Limits, fly};
-use tautline_sitl::pilot::Progress;
+use tautline_sitl::flight::Progress;
 use tautline_sitl::scenario::Scenario;
 use tautline_tests::flight;
 

@@ -2,9 +2,9 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, clippy::indexing_slicing, reason = "tests")]
 
+use tautline_sitl::bench::planar::{Feedback, LawKind, PlanarScenario, fly};
 use tautline_sitl::experiment::{Ask, Report, find};
-use tautline_sitl::planar::{Feedback, LawKind, PlanarScenario, fly};
-use tautline_sitl::settings::set;
+use tautline_sitl::scenario::settings::set;
 
 fn report(key: &str, sets: &[(&str, &str)]) -> Report {
     let sets = sets.iter().map(|(path, value)| ((*path).into(), (*value).into())).collect();

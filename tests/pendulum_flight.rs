@@ -11,10 +11,9 @@ use tautline_firmware::param::Params;
 use tautline_firmware::signal::Severity;
 use tautline_firmware::supervisor::Mode;
 use tautline_firmware::time::Micros;
-use tautline_sitl::flight::Flight;
+use tautline_sitl::flight::{Flight, Voice};
 use tautline_sitl::plant::RodPhase;
 use tautline_sitl::scenario::{FaultKind, FaultSection, Scenario, Step};
-use tautline_sitl::voice::Voice;
 use tautline_tests::{HOLD, run, until};
 
 const SCENARIO: &str = include_str!("../sitl/scenarios/pendulum.toml");
@@ -54,7 +53,7 @@ fn refusal(change: impl FnOnce(&mut Scenario)) -> String {
 
 #[test]
 fn a_load_is_balanced_along_the_circle_under_a_push_that_lifts() {
-    use tautline_sitl::pendulum::DisturbanceKind;
+    use tautline_sitl::plant::DisturbanceKind;
     let mut flight = balancing(|s| s.push.kind = DisturbanceKind::Constant);
     run(&mut flight, 20.0);
     let figures = flight.metrics.summary();

@@ -15,8 +15,7 @@ use tautline_firmware::signal::{Action, Outcome, Request, Ticket};
 use tautline_firmware::supervisor::{GroundState, Mode};
 use tautline_firmware::vehicle::StepInput;
 use tautline_sitl::experiment::{Ask, find};
-use tautline_sitl::flight::Flight;
-use tautline_sitl::pilot::Progress;
+use tautline_sitl::flight::{Flight, Progress};
 use tautline_tests::{flight, run, until};
 
 /// Vehicle, link and parameters of the taut-link scenario, without its mission.

@@ -10,10 +10,11 @@ use tautline_firmware::estimate::pendulum::{
 };
 use tautline_firmware::frames::V3;
 use tautline_firmware::trajectory::load::TiltedCircle;
-use tautline_sitl::pendulum::{
-    Disturbance, DisturbanceKind, Flown, PendulumAction, PendulumPlant, PendulumRun, PendulumTrace,
-    PendulumTruth, STATES, Sensing, linear_gains,
+use tautline_sitl::bench::pendulum::{
+    Flown, PendulumAction, PendulumPlant, PendulumRun, PendulumTrace, PendulumTruth, STATES,
+    Sensing, linear_gains,
 };
+use tautline_sitl::plant::{Disturbance, DisturbanceKind};
 
 fn array(v: &Value, key: &str) -> [f64; STATES] {
     list(v, key).try_into().unwrap()

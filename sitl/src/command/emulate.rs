@@ -2,8 +2,7 @@
 
 use super::Failure;
 use crate::emulated::{self, Outcome, Plan, Telemetry};
-use crate::flight::Flight;
-use crate::pilot::Progress;
+use crate::flight::{Flight, Progress};
 use crate::scenario::Scenario;
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;

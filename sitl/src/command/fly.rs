@@ -2,12 +2,8 @@
 
 use super::Failure;
 use super::status::StatusLine;
-use crate::autopilot::{Arithmetic, Autopilot};
-use crate::flight::Flight;
-use crate::params_file;
-use crate::pilot::Progress;
-use crate::scenario::{Scenario, Step, TetherKind, set_param};
-use crate::udp::Udp;
+use crate::flight::{Autopilot, Flight, Progress, Udp};
+use crate::scenario::{Arithmetic, Scenario, Step, TetherKind, params_file, set_param};
 use clap::Args;
 use std::fs::{self, File};
 use std::io::BufWriter;

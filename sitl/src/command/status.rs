@@ -1,6 +1,6 @@
 //! The live status line; plain lines, and fewer, when nobody watches a terminal.
 
-use crate::world::World;
+use crate::flight::World;
 use std::io::{IsTerminal, Write};
 use std::time::{Duration, Instant};
 use tautline_firmware::vehicle::StepOutput;

@@ -1,8 +1,7 @@
 //! `cargo sitl sysid`.
 
 use super::Failure;
-use crate::params_file;
-use crate::scenario::set_param;
+use crate::scenario::{params_file, set_param};
 use crate::sysid::{
     AHEAD, Identified, Prepared, PwmRange, RATE, Record, ThrustFit, draw_predictions,
     fit_thrust_map, from_log, identify, prepare, read_csv, recommend,

@@ -1,6 +1,6 @@
 //! The board's buses: each question goes to the fake that the simulator's own drivers would use.
 
-use crate::outside::Outside;
+use crate::flight::Outside;
 use embedded_hal::delay::DelayNs;
 use embedded_hal::i2c::{I2c, Operation as I2cOperation};
 use embedded_hal::pwm::SetDutyCycle;

@@ -3,11 +3,9 @@
 use super::devices::Devices;
 use super::pipe::{Pipe, decode};
 use super::qemu::{Qemu, Telemetry};
-use crate::outside::Outside;
-use crate::pilot::{Pilot, Progress};
+use crate::flight::{Outside, Pilot, Progress, Voice};
 use crate::plant::V3;
 use crate::scenario::{FaultKind, Scenario};
-use crate::voice::Voice;
 use mavlink::dialects::common::{HEARTBEAT_DATA, MavType, STATUSTEXT_DATA, WINCH_STATUS_DATA};
 use mavlink::{MavlinkVersion, MessageData};
 use std::io::{self, Write};

@@ -1,7 +1,7 @@
 //! `planar` section 11: every row beside its limits.
 
 use super::{Ask, Compare, Report, scan};
-use crate::planar::{BranchChoice, PlanarScenario, Residual};
+use crate::bench::planar::{BranchChoice, PlanarScenario, Residual};
 
 /// One row; what has no limit is not judged.
 struct Row {

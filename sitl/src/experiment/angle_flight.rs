@@ -2,9 +2,9 @@
 
 use super::flown::why_lost;
 use super::{Ask, Compare, Report};
-use crate::angle_metrics::AngleFlightSummary;
+use crate::campaign::parallel;
 use crate::flight::Flight;
-use crate::parallel;
+use crate::metrics::AngleFlightSummary;
 use crate::report::chart::{ESTIMATE, Line, Panel, Points, SETPOINT, THIRD, TRUTH};
 use crate::report::grid::{self, grid};
 use crate::scenario::{Scenario, Step};

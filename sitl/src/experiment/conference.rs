@@ -1,7 +1,7 @@
 //! The conference article: compression, and what its observer needs in discrete time.
 
 use super::{Ask, Compare, Report, pictures, scan};
-use crate::planar::{PlanarScenario, UpdateKind, fly};
+use crate::bench::planar::{PlanarScenario, UpdateKind, fly};
 
 /// Fig. 4.
 pub fn compression(ask: &Ask) -> Result<Report, String> {

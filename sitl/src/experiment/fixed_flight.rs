@@ -2,11 +2,10 @@
 
 use super::flown::why_lost;
 use super::{Ask, Compare, Report};
-use crate::autopilot::Arithmetic;
+use crate::campaign::parallel;
 use crate::flight::Flight;
 use crate::metrics::{Spread, Summary};
-use crate::parallel;
-use crate::scenario::Scenario;
+use crate::scenario::{Arithmetic, Scenario};
 use tautline_firmware::fixed::saturation;
 
 /// Flights of each, and the longest, simulated s.

@@ -1,7 +1,6 @@
 //! A mission flown to its end, and why it counts as lost.
 
-use crate::flight::Flight;
-use crate::pilot::Progress;
+use crate::flight::{Flight, Progress};
 use std::io::Write;
 use tautline_firmware::signal::Severity;
 

@@ -2,7 +2,7 @@
 
 use super::pictures::{self, ScanPanel, TimeSeries};
 use super::{Ask, Compare, Report, scan};
-use crate::planar::{BranchChoice, LawKind, PlanarScenario, PlanarSummary};
+use crate::bench::planar::{BranchChoice, LawKind, PlanarScenario, PlanarSummary};
 
 /// The article's three durations, s.
 pub const DURATIONS: [f64; 3] = [7.0, 5.0, 3.0];

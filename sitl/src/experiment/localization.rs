@@ -1,10 +1,10 @@
 //! Al-Radaideh and Sun's table and figures: position and tension over tension, altitude and velocity.
 
 use super::{Ask, Compare, Report};
-use crate::localization::{
+use crate::bench::localization::{
     DT, ESTIMATORS, LocalizationScenario, Outcome, SETTLED, Sample, Setup, Track, generate, run,
 };
-use crate::parallel;
+use crate::campaign::parallel;
 use crate::plant::V3;
 use crate::report::chart::{ESTIMATE, Line, Panel, Points, SETPOINT, THIRD, TRUTH};
 use crate::report::grid::{self, grid};

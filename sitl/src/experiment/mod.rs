@@ -20,8 +20,8 @@ mod thrust_flight;
 
 pub use report::{Compare, Line, Picture, Report};
 
-use crate::planar::PlanarScenario;
-use crate::settings;
+use crate::bench::planar::PlanarScenario;
+use crate::scenario::settings;
 use serde::{Serialize, de::DeserializeOwned};
 
 /// One reproduced result.
@@ -356,6 +356,6 @@ mod tests {
         }
         assert!((ask("plant.mass", "2").planar(base()).unwrap().plant.mass - 2.0).abs() < 1e-12);
         let law = ask("law", "attitude").planar(base()).unwrap().law;
-        assert_eq!(law, crate::planar::LawKind::Attitude);
+        assert_eq!(law, crate::bench::planar::LawKind::Attitude);
     }
 }

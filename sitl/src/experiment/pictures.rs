@@ -1,6 +1,6 @@
 //! Pictures shaped like the papers'.
 
-use crate::planar::{LawKind, PlanarSummary, Row, Trace};
+use crate::bench::planar::{LawKind, PlanarSummary, Row, Trace};
 use crate::report::chart::{
     ESTIMATE, Line, Panel, Points, SETPOINT, THIRD, TRUTH, bounds, draw, plot,
 };

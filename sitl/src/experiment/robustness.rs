@@ -2,8 +2,8 @@
 
 use super::journal::{single, with_error};
 use super::{Ask, Compare, Report, scan};
-use crate::parallel;
-use crate::planar::{LawKind, PlanarScenario};
+use crate::bench::planar::{LawKind, PlanarScenario};
+use crate::campaign::parallel;
 
 const LOST: f64 = f64::INFINITY;
 const SHARE: f64 = 0.2;
@@ -187,7 +187,7 @@ fn motors(ask: &Ask, report: &mut Report) -> Result<(), String> {
 
     let conference = |lag: f64, is_told: bool| {
         let mut s = PlanarScenario::conference();
-        s.observer.branches = crate::planar::BranchChoice::One;
+        s.observer.branches = crate::bench::planar::BranchChoice::One;
         s.observer.is_above_ground = false;
         s.plant.motor_lag = lag;
         s.observer.motor_lag = if is_told { lag } else { 0.0 };
@@ -198,8 +198,9 @@ fn motors(ask: &Ask, report: &mut Report) -> Result<(), String> {
         vec![conference(0.01, false), conference(0.08, true), conference(0.15, true)],
     )?;
     let [short, told, long] = flown.as_slice() else { return Ok(()) };
-    let elevation =
-        |s: &crate::planar::PlanarSummary| if s.is_lost() { LOST } else { s.max_after_1s[0] };
+    let elevation = |s: &crate::bench::planar::PlanarSummary| {
+        if s.is_lost() { LOST } else { s.max_after_1s[0] }
+    };
     report.add("compression, motors 0.01 s: elevation max, rad", elevation(short), {
         Compare::Claim("lost in the reference too", short.is_lost())
     });

@@ -1,8 +1,8 @@
 //! Many planar runs at once.
 
 use super::Ask;
-use crate::parallel;
-use crate::planar::{PlanarScenario, PlanarSummary, Trace, fly};
+use crate::bench::planar::{PlanarScenario, PlanarSummary, Trace, fly};
+use crate::campaign::parallel;
 
 /// Flies all, with the user's settings on top.
 pub fn traces(ask: &Ask, scenarios: Vec<PlanarScenario>) -> Result<Vec<Trace>, String> {

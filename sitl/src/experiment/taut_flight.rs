@@ -2,10 +2,10 @@
 
 use super::flown::why_lost;
 use super::{Ask, Compare, Report};
+use crate::campaign::parallel;
 use crate::flight::Flight;
-use crate::parallel;
+use crate::metrics::TautSummary;
 use crate::scenario::{Scenario, Step, TautControl, TetherKind};
-use crate::taut_metrics::TautSummary;
 
 /// Vehicle, sensors and parameters of every row.
 const BASE: &str = include_str!("../../scenarios/taut.toml");

@@ -4,8 +4,8 @@
 use super::angle_flight::{BASE, LONGEST};
 use super::flown::why_lost;
 use super::{Ask, Compare, Report};
+use crate::campaign::parallel;
 use crate::flight::Flight;
-use crate::parallel;
 use crate::scenario::{Scenario, Step, TetherKind, set_param};
 use crate::sysid::{PwmRange, ThrustFit, fit_thrust_map, read_log};
 use tautline_firmware::param::Params;

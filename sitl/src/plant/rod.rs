@@ -110,7 +110,7 @@ impl Rod {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::integrate::runge_kutta;
+    use crate::plant::runge_kutta;
 
     #[test]
     fn it_falls_as_the_pendulum_of_the_article_does() {

@@ -1,6 +1,6 @@
 //! Sections for free flight: motion capture, a rod on top, a push.
 
-use crate::pendulum::DisturbanceKind;
+use crate::plant::DisturbanceKind;
 use serde::{Deserialize, Serialize};
 
 /// `[capture]`.

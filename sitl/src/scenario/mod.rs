@@ -3,19 +3,24 @@
 //! Every key has a default (a 1.5 kg, 500 mm quadrotor on 4S and a constant-tension winch); unknown
 //! keys are errors. Errors name file, key and allowed range.
 
+mod arithmetic;
 mod build;
 mod check;
+mod fault;
 mod free;
-pub(crate) use check::within;
+pub mod params_file;
 mod sections;
+pub mod settings;
 
+pub use arithmetic::Arithmetic;
+pub(crate) use check::within;
+pub use fault::Faults;
 pub use free::{CaptureSection, PushSection, RodSection};
 pub use sections::{
     BatterySection, FaultKind, FaultSection, SensorSection, Step, TautControl, TetherKind,
     TetherSection, VehicleSection, WindSection,
 };
 
-use crate::autopilot::Arithmetic;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::Path;

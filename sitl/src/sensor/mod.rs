@@ -1,13 +1,9 @@
 //! Sensors at register level: truth + errors → fakes → the real drivers → [`RawSensors`].
 
-mod capture;
 mod errors;
 
-pub use capture::MotionCapture;
-
-use crate::inject::Faults;
 use crate::plant::{Plant, generator};
-use crate::scenario::{FaultKind, SensorSection};
+use crate::scenario::{FaultKind, Faults, SensorSection};
 use errors::{Altitude, Inertial};
 use rand_pcg::Pcg64Mcg;
 use tautline_board::flight::{raw_imu, scale};

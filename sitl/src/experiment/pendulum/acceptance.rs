@@ -1,10 +1,9 @@
 //! Rows S1 to S9 of `pendulum` section 13, each beside its limit.
 
 use super::cases::{DISTURBANCES, add_error, mean, summaries, worst};
+use crate::bench::pendulum::{FilterSet, GainSet, PendulumScenario, PendulumSummary, Precision};
 use crate::experiment::{Ask, Compare, Report};
-use crate::pendulum::{
-    DisturbanceKind, FilterSet, GainSet, PendulumScenario, PendulumSummary, Precision,
-};
+use crate::plant::DisturbanceKind;
 
 /// Seeds of a row with random numbers.
 const SEEDS: u64 = 6;

@@ -1,8 +1,8 @@
 //! Against linear-quadratic control about the upright rod: tracking, and how far a fallen rod comes back.
 
 use super::cases::{DISTURBANCES, add_error, summaries};
+use crate::bench::pendulum::{GainSet, LawKind, PendulumScenario};
 use crate::experiment::{Ask, Compare, Report};
-use crate::pendulum::{GainSet, LawKind, PendulumScenario};
 use crate::report::chart::{ESTIMATE, Line, Panel, Points, SETPOINT, THIRD, TRUTH};
 use crate::report::grid::grid;
 
@@ -150,7 +150,7 @@ fn draw(report: &mut Report, ask: &Ask, speeds: [Points; 2]) -> Result<(), Strin
             ..fallen(law, gains, 25.0, [2.5, 15.0])
         };
         let trace = ask.on(s)?.fly(ask.seed)?;
-        let points = |pick: fn(&crate::pendulum::PendulumRow) -> f64| {
+        let points = |pick: fn(&crate::bench::pendulum::PendulumRow) -> f64| {
             trace.rows.iter().map(|row| (row.time, pick(row))).collect::<Points>()
         };
         errors.push(Line::new(name, colour, points(|r| r.error().norm().min(3.0))));

@@ -1,8 +1,9 @@
 //! Runs over disturbances and seeds, and figures of them.
 
+use crate::bench::pendulum::{PendulumScenario, PendulumSummary, PendulumTrace};
+use crate::campaign::parallel;
 use crate::experiment::{Ask, Compare, Report};
-use crate::parallel;
-use crate::pendulum::{DisturbanceKind, PendulumScenario, PendulumSummary, PendulumTrace};
+use crate::plant::DisturbanceKind;
 
 /// The article's three, with their names.
 pub const DISTURBANCES: [(&str, DisturbanceKind); 3] = [

@@ -2,12 +2,12 @@
 //! each disturbance.
 
 use super::cases::DISTURBANCES;
+use crate::campaign::parallel;
 use crate::experiment::flown::why_lost;
 use crate::experiment::{Ask, Compare, Report};
 use crate::flight::Flight;
-use crate::parallel;
-use crate::pendulum::DisturbanceKind;
-use crate::pendulum_metrics::PendulumFlightSummary;
+use crate::metrics::PendulumFlightSummary;
+use crate::plant::DisturbanceKind;
 use crate::report::chart::{ESTIMATE, Line, Panel, Points, SETPOINT, TRUTH};
 use crate::report::grid::{self, grid};
 use crate::report::space::{Curve, curves};

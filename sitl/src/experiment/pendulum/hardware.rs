@@ -1,8 +1,9 @@
 //! The article's experiment, Fig. 6: its masses, gains and 45 Hz.
 
 use super::cases::{add_error, mean, traces};
+use crate::bench::pendulum::{PendulumRow, PendulumScenario, PendulumTrace};
 use crate::experiment::{Ask, Compare, Report};
-use crate::pendulum::{DisturbanceKind, PendulumRow, PendulumScenario, PendulumTrace};
+use crate::plant::DisturbanceKind;
 use crate::report::chart::{ESTIMATE, Line, Panel, SETPOINT, THIRD, TRUTH};
 use crate::report::grid::grid;
 use crate::report::space::{Curve, curves};

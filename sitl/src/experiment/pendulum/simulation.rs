@@ -1,8 +1,9 @@
 //! The article's simulation: Figs. 1 to 4.
 
 use super::cases::{DISTURBANCES, add_error, mean, traces};
+use crate::bench::pendulum::{PendulumRow, PendulumScenario, PendulumTrace};
 use crate::experiment::{Ask, Compare, Report};
-use crate::pendulum::{DisturbanceKind, PendulumRow, PendulumScenario, PendulumTrace};
+use crate::plant::DisturbanceKind;
 use crate::report::chart::{ESTIMATE, Line, Panel, Points, SETPOINT, THIRD, TRUTH};
 use crate::report::grid::{self, grid};
 use crate::report::space::{Curve, curves};

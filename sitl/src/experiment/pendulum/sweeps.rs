@@ -1,8 +1,9 @@
 //! How much delay, lag, noise and model error the loop bears: `pendulum` section 10.
 
 use super::cases::{DISTURBANCES, mean, summaries};
+use crate::bench::pendulum::{FilterSet, GainSet, PendulumScenario};
 use crate::experiment::{Ask, Compare, Report};
-use crate::pendulum::{DisturbanceKind, FilterSet, GainSet, PendulumScenario};
+use crate::plant::DisturbanceKind;
 use crate::report::chart::{ESTIMATE, Line, Panel, Points, SETPOINT, THIRD, TRUTH};
 use crate::report::grid::{self, grid};
 use plotters::prelude::SeriesLabelPosition;

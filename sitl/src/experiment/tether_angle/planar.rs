@@ -1,12 +1,12 @@
 //! The loop in a vertical plane: Figs. 9 to 11.
 
-use crate::experiment::{Ask, Compare, Report};
-use crate::parallel;
-use crate::report::chart::{ESTIMATE, Line, Panel, Points, SETPOINT, THIRD, TRUTH};
-use crate::report::grid::{self, grid};
-use crate::tether_angle::{
+use crate::bench::tether_angle::{
     AnchorMotion, AngleRow, AngleScenario, AngleTrace, Setting, fly, sensitivity,
 };
+use crate::campaign::parallel;
+use crate::experiment::{Ask, Compare, Report};
+use crate::report::chart::{ESTIMATE, Line, Panel, Points, SETPOINT, THIRD, TRUTH};
+use crate::report::grid::{self, grid};
 use plotters::prelude::SeriesLabelPosition;
 use plotters::style::RGBColor;
 

@@ -1,9 +1,9 @@
 //! Closed-loop poles over the tether angle: Fig. 8.
 
+use crate::bench::tether_angle::{AngleScenario, linearise};
 use crate::experiment::{Ask, Compare, Report};
 use crate::report::chart::{ESTIMATE, Line, Panel, SETPOINT, TRUTH};
 use crate::report::grid::grid;
-use crate::tether_angle::{AngleScenario, linearise};
 use plotters::prelude::SeriesLabelPosition;
 
 /// Real and imaginary parts, `inertial` section 6.

@@ -1,10 +1,10 @@
 //! What one accelerometer reading is worth: Figs. 3 to 5.
 
+use crate::bench::tether_angle::{Sensitivity, Setting, sensitivity};
+use crate::campaign::parallel;
 use crate::experiment::{Ask, Compare, Report};
-use crate::parallel;
 use crate::report::chart::{ESTIMATE, Line, Panel, Points, SETPOINT, THIRD, TRUTH};
 use crate::report::grid::grid;
-use crate::tether_angle::{Sensitivity, Setting, sensitivity};
 
 /// Draws of each point of the sensitivity figures.
 const SAMPLES: u32 = 50_000;

@@ -1,10 +1,10 @@
 //! Two planes in space: Fig. 12, and who survives.
 
+use crate::bench::tether_angle::{AnchorMotion, AngleScenario, SpatialTrace, fly_spatial};
+use crate::campaign::parallel;
 use crate::experiment::{Ask, Compare, Report};
-use crate::parallel;
 use crate::report::chart::{ESTIMATE, Line, Panel, TRUTH};
 use crate::report::grid::grid;
-use crate::tether_angle::{AnchorMotion, AngleScenario, SpatialTrace, fly_spatial};
 
 /// Directions of `inertial` section 8, deg.
 const DIRECTIONS: [[f64; 2]; 4] = [[25.0, 15.0], [30.0, 30.0], [30.0, 0.0], [35.0, 35.0]];
@@ -118,7 +118,9 @@ pub fn space(ask: &Ask) -> Result<Report, String> {
             .into(),
     );
     let trace = fly_spatial(&moving, ask.seed)?;
-    let line = |name: &'static str, colour, pick: fn(&crate::tether_angle::SpatialRow) -> f64| {
+    let line = |name: &'static str,
+                colour,
+                pick: fn(&crate::bench::tether_angle::SpatialRow) -> f64| {
         Line::new(name, colour, trace.rows.iter().map(|r| (r.time, pick(r).to_degrees())).collect())
     };
     let cells = vec![

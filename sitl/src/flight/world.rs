@@ -1,7 +1,6 @@
 //! One millisecond at a time: plant → sensors → drivers → the firmware's step → ESCs.
 
-use crate::autopilot::Autopilot;
-use crate::outside::Outside;
+use super::{Autopilot, Outside};
 use crate::scenario::{FaultKind, Scenario, ScenarioError};
 use tautline_board::flight::protocol;
 use tautline_firmware::link::Link;

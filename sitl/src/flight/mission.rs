@@ -1,8 +1,8 @@
 //! The built-in pilot: flies a scenario's mission by MAVLink, as a ground station would.
 
+use super::Voice;
 use crate::plant::{V3, Walk};
 use crate::scenario::{Step, TautControl};
-use crate::voice::Voice;
 use mavlink::MessageData;
 use mavlink::dialects::common::{
     COMMAND_LONG_DATA, HEARTBEAT_DATA, MANUAL_CONTROL_DATA, MavAutopilot, MavCmd, MavType,

@@ -1,7 +1,7 @@
 //! Parameter files as QGroundControl writes them: system, component, name, value and type, separated
 //! by tabs; lines with `#` are comments.
 
-use crate::scenario::set_param;
+use super::set_param;
 use std::path::Path;
 use tautline_firmware::param::{Kind, META, Params};
 

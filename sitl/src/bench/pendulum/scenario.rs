@@ -1,10 +1,9 @@
 //! What a run of the flying inverted pendulum is made of; `--set` paths are these keys.
 
-use super::disturbance::{Disturbance, DisturbanceKind};
 use super::plant::{PendulumPlant, PendulumTruth};
 use super::riccati::{NORMAL, SOFT, linear_gains};
 use super::run::{Flown, PendulumRun, PendulumTrace, Sensing};
-use crate::plant::GRAVITY;
+use crate::plant::{Disturbance, DisturbanceKind, GRAVITY};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 use tautline_firmware::control::pendulum::{

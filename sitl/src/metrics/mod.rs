@@ -1,9 +1,14 @@
 //! How well was it flown? Against the truth, not the estimate.
 
-use crate::angle_metrics::{AngleFlightSummary, AngleMetrics};
-use crate::pendulum_metrics::{PendulumFlightSummary, PendulumMetrics};
+mod angle;
+mod pendulum;
+mod taut;
+
+pub use angle::{AngleFlightSummary, AngleMetrics};
+pub use pendulum::{PendulumFlightSummary, PendulumMetrics};
+pub use taut::{TautMetrics, TautSummary};
+
 use crate::plant::{Plant, V3};
-use crate::taut_metrics::{TautMetrics, TautSummary};
 use nalgebra::Rotation3;
 use serde::Serialize;
 use tautline_firmware::supervisor::{GroundState, Mode};

@@ -1,8 +1,7 @@
 //! A point mass on a tether that pulls and never pushes, in a vertical plane, with the attitude loop
 //! (20). `inertial` sections 2 and 7; equations of its own.
 
-use crate::integrate::runge_kutta;
-use crate::plant::GRAVITY;
+use crate::plant::{GRAVITY, runge_kutta};
 
 /// Natural frequency, rad/s, and damping of the tilt-rate loop.
 pub const RATE_LOOP: [f64; 2] = [78.5, 0.4];

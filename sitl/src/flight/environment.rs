@@ -1,10 +1,9 @@
 //! Everything but the firmware: the physical world, the vehicle's devices, and whoever stands beside it.
 
-use crate::inject::Faults;
-use crate::pendulum::{Disturbance, DisturbanceKind};
-use crate::plant::{Plant, Push, generator};
-use crate::scenario::{FaultKind, Scenario};
-use crate::sensor::{MotionCapture, SensorSuite};
+use super::capture::MotionCapture;
+use crate::plant::{Disturbance, DisturbanceKind, Plant, Push, generator};
+use crate::scenario::{FaultKind, Faults, Scenario};
+use crate::sensor::SensorSuite;
 use std::f64::consts::PI;
 use tautline_firmware::param::Params;
 use tautline_firmware::sense::Mounting;

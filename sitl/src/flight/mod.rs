@@ -1,10 +1,25 @@
 //! A whole flight of a scenario, as fast as the machine can: for campaigns, tests and `--headless`.
 
+mod autopilot;
+mod capture;
+mod environment;
+mod mission;
+mod recorder;
+mod sender;
+mod shadow;
+mod udp;
+mod world;
+
+pub use autopilot::Autopilot;
+pub use environment::Outside;
+pub use mission::{Pilot, Progress};
+pub use recorder::Recorder;
+pub use sender::Voice;
+pub use udp::Udp;
+pub use world::World;
+
 use crate::metrics::Metrics;
-use crate::pilot::{Pilot, Progress};
-use crate::record::Recorder;
 use crate::scenario::{Scenario, ScenarioError};
-use crate::world::World;
 use std::io::Write;
 use tautline_board::status::Status;
 use tautline_firmware::param::Params;

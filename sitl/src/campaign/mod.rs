@@ -1,9 +1,9 @@
 //! Monte-Carlo: the same scenario over many seeds, judged against limits.
 
-use crate::flight::Flight;
+pub mod parallel;
+
+use crate::flight::{Flight, Progress};
 use crate::metrics::Summary;
-use crate::parallel;
-use crate::pilot::Progress;
 use crate::scenario::Scenario;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};

@@ -1,6 +1,6 @@
 //! Which faults are present now?
 
-use crate::scenario::{FaultKind, FaultSection};
+use super::{FaultKind, FaultSection};
 
 /// All faults of a scenario and of whoever adds some at run time.
 #[derive(Clone, Debug, Default)]

@@ -2,8 +2,7 @@
 
 use super::plant::{CableVehicle, State, euler, position, rates, to_body, velocity};
 use super::scenario::LocalizationScenario;
-use crate::integrate::runge_kutta;
-use crate::plant::{GRAVITY, V3, generator, normal};
+use crate::plant::{GRAVITY, V3, generator, normal, runge_kutta};
 use nalgebra::Matrix3;
 
 /// Sampling period, s, and plant steps in it.

@@ -1,6 +1,6 @@
-//! The article's three disturbances: none, constant, and (71).
+//! The pendulum article's three disturbances: none, constant, and (71).
 
-use crate::plant::{Generator, generator, normal};
+use super::{Generator, generator, normal};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
@@ -68,10 +68,10 @@ impl Disturbance {
         self.left -= dt;
         let times = Vector3::new(13.0, 15.0, 22.0) / 1.5;
         let gains = Vector3::new(6.5, 5.0, 4.0) * 5.0;
-        for i in 0..3 {
-            let keep = (-dt / times[i]).exp();
-            self.force[i] = keep * self.force[i] + (1.0 - keep) * gains[i] * self.white[i];
-        }
+        let keep = times.map(|time| (-dt / time).exp());
+        let share = keep.map(|keep| 1.0 - keep);
+        self.force = keep.component_mul(&self.force)
+            + share.component_mul(&gains).component_mul(&self.white);
     }
 }
 

@@ -1,7 +1,7 @@
 //! Vehicle and link as two rigid bodies with two degrees of freedom, `planar` section 2.1: the link has
 //! mass and is attached beside the centre of mass, the motors lag. Lagrange's equations, Runge-Kutta.
 
-use crate::integrate::runge_kutta;
+use crate::plant::runge_kutta;
 use nalgebra::{Matrix2, Vector2};
 use serde::{Deserialize, Serialize};
 

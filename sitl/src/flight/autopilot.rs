@@ -1,24 +1,11 @@
 //! The firmware in the scalar of one's choice, told of in single precision.
 
-use serde::{Deserialize, Serialize};
+use crate::scenario::Arithmetic;
 use tautline_firmware::fixed::Q16;
 use tautline_firmware::param::Params;
 use tautline_firmware::sense::ImuScale;
 use tautline_firmware::single::Single;
 use tautline_firmware::vehicle::{StepInput, StepOutput, Vehicle};
-
-/// What the firmware computes with.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, clap::ValueEnum)]
-#[serde(rename_all = "lowercase")]
-pub enum Arithmetic {
-    /// Single precision, as the boards with an FPU fly.
-    #[default]
-    F32,
-    /// Double precision.
-    F64,
-    /// Fixed point of 16 and 16 bits, saturating, as a board without an FPU would fly.
-    Q16,
-}
 
 /// The vehicle's firmware.
 #[derive(Clone, Debug)]

@@ -1,6 +1,6 @@
 //! The flight on disk: the firmware's own ULog, and the truth beside it.
 
-use crate::beside::{Beside, TOPICS};
+use super::shadow::{Beside, TOPICS};
 use crate::plant::Plant;
 use nalgebra::UnitQuaternion;
 use std::io::{self, Write};

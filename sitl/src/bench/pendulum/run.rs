@@ -1,9 +1,8 @@
 //! Closed loop: plant, late and noisy motion capture, the core's observer and controller.
 
-use super::disturbance::Disturbance;
 use super::plant::{PendulumAction, PendulumPlant, PendulumTruth};
 use super::summary::PendulumSummary;
-use crate::plant::{Generator, generator, normal};
+use crate::plant::{Disturbance, Generator, generator, normal};
 use nalgebra::{Matrix3, Vector3};
 use std::collections::VecDeque;
 use tautline_firmware::control::pendulum::{LinearPendulum, PendulumControl, PendulumMemory};

@@ -4,9 +4,8 @@
 use super::plant::RATE_LOOP;
 use super::run::{CONTROL_EVERY, FILTER_EVERY, RATE};
 use super::scenario::AngleScenario;
-use crate::integrate::runge_kutta;
 use crate::metrics::Spread;
-use crate::plant::{GRAVITY, V3, generator, normal};
+use crate::plant::{GRAVITY, V3, generator, normal, runge_kutta};
 use nalgebra::{Matrix3, Rotation3};
 use tautline_firmware::estimate::tether_angle::{
     TetherAngleState, TetherAngles, TetherAnglesState,

@@ -3,14 +3,12 @@
 
 #![expect(clippy::indexing_slicing, reason = "states and axes of fixed size")]
 
-mod disturbance;
 mod plant;
 mod riccati;
 mod run;
 mod scenario;
 mod summary;
 
-pub use disturbance::{Disturbance, DisturbanceKind};
 pub use plant::{PendulumAction, PendulumPlant, PendulumTruth, STATES};
 pub use riccati::linear_gains;
 pub use run::{Flown, PendulumRow, PendulumRun, PendulumTrace, Sensing};

@@ -1,11 +1,10 @@
 //! Motion capture: cameras that see the vehicle and the rod on it, and a computer that tells them by
 //! MAVLink: ODOMETRY, and DEBUG_VECT named `rod`. Late, noisy, and now and then not at all.
 
-use crate::inject::Faults;
+use super::recorder::quaternion;
+use super::sender::Voice;
 use crate::plant::{Generator, Plant, RodPhase, V3, generator, normal, uniform};
-use crate::record::quaternion;
-use crate::scenario::{CaptureSection, FaultKind};
-use crate::voice::Voice;
+use crate::scenario::{CaptureSection, FaultKind, Faults};
 use mavlink::dialects::common::{DEBUG_VECT_DATA, MavFrame, ODOMETRY_DATA};
 use mavlink::types::CharArray;
 use nalgebra::UnitQuaternion;

@@ -1,7 +1,7 @@
 //! Vehicle, rod and load from Newton's law and the pull in the rod; `pendulum` section 2, equations of its
 //! own. World NED, body FRD.
 
-use crate::integrate::runge_kutta;
+use crate::plant::runge_kutta;
 use nalgebra::{Matrix3, Vector3};
 
 type V3 = Vector3<f64>;
