@@ -1,6 +1,6 @@
 //! How well was a tether angle held? Against the truth, as `flight` section 7 counts.
 
-use crate::metrics::Spread;
+use super::Spread;
 use crate::plant::{DT, Plant, SUBSTEPS};
 use serde::Serialize;
 use tautline_firmware::estimate::tether_angle::plane_angles;

@@ -1,6 +1,6 @@
 //! How well was it flown in a taut-link mode? Against the truth, as `flight` section 7 counts.
 
-use crate::metrics::Spread;
+use super::Spread;
 use crate::plant::{DT, Plant, SUBSTEPS, V3};
 use serde::Serialize;
 use tautline_firmware::supervisor::Mode;
