@@ -75,7 +75,7 @@ fn heading_and_azimuth_follow_the_start_heading() {
         1,
     );
     flight.fly(60.0);
-    let p = flight.world.outside.plant.body.position;
+    let p = flight.world.environment.plant.body.position;
     assert!((p.y.atan2(p.x) - 1.2).abs() < 0.1, "{p}");
 }
 
@@ -87,5 +87,5 @@ fn a_takeoff_beyond_the_tether_is_refused_with_a_reason() {
     let told = |text: &str| flight.events.iter().any(|(_, e): &(f64, Event)| e.text.contains(text));
     assert!(told("Take-off refused: altitude beyond the tether"));
     assert!(matches!(flight.pilot.progress(), Progress::Failed(_)));
-    assert!(flight.world.outside.plant.ground.is_touching());
+    assert!(flight.world.environment.plant.ground.is_touching());
 }

@@ -37,7 +37,7 @@ fn balancing(change: impl FnOnce(&mut Scenario)) -> Flight<Vec<u8>> {
 
 fn break_now(flight: &mut Flight<Vec<u8>>, kind: FaultKind, duration: Option<f64>) {
     let at = flight.world.now().0 as f64 * 1e-6;
-    flight.world.outside.faults.add(FaultSection { kind, at, duration, value: 0.0 });
+    flight.world.environment.faults.add(FaultSection { kind, at, duration, value: 0.0 });
 }
 
 fn told(flight: &Flight<Vec<u8>>, text: &str) -> bool {
@@ -92,7 +92,7 @@ fn a_load_at_rest_goes_where_a_position_target_sends_it() {
     }
     assert!(!told(&flight, "on its way"));
     run(&mut flight, 12.0);
-    let plant = &flight.world.outside.plant;
+    let plant = &flight.world.environment.plant;
     let load = plant.rod.as_ref().unwrap().load(&plant.body.position);
     let off = (load - tautline_sitl::plant::V3::new(0.6, -0.4, -2.5)).norm();
     assert!(off < 0.05, "{off} m, {:?}", flight.events.last());
@@ -103,19 +103,19 @@ fn without_motion_capture_the_vehicle_hovers_level_then_descends() {
     let mut flight = balancing(|s| {
         s.params.insert("PND_SPEED".into(), 0.0);
     });
-    let height = flight.world.outside.plant.body.height();
+    let height = flight.world.environment.plant.body.height();
     break_now(&mut flight, FaultKind::CaptureLost, None);
     let out = until(&mut flight, 1.0, |out| out.mode == Mode::TetherHold);
     assert!(told(&flight, "Motion capture stale: hovering"));
     assert!(out.estimate.tether.is_none());
     // Three seconds of level hover.
     run(&mut flight, 2.5);
-    let body = &flight.world.outside.plant.body;
+    let body = &flight.world.environment.plant.body;
     assert!(body.tilt() < 0.1 && (body.height() - height).abs() < 0.6, "{}", body.height());
     until(&mut flight, 2.0, |out| out.mode == Mode::Descent);
     assert!(told(&flight, "Motion capture lost: descending"));
     until(&mut flight, 30.0, |out| !out.is_armed);
-    assert!(flight.world.outside.plant.ground.is_touching());
+    assert!(flight.world.environment.plant.ground.is_touching());
 }
 
 #[test]
@@ -125,8 +125,8 @@ fn a_rod_that_is_no_longer_seen_ends_in_a_hover_that_holds_its_place() {
     until(&mut flight, 1.0, |out| out.mode == Mode::TetherHold);
     assert!(told(&flight, "Motion capture stale: hovering"));
     let out = run(&mut flight, 6.0);
-    let off =
-        flight.world.outside.plant.body.position - out.reference.unwrap().position.0.map(f64::from);
+    let off = flight.world.environment.plant.body.position
+        - out.reference.unwrap().position.0.map(f64::from);
     assert!(off.norm() < 0.1, "{off}");
     assert_eq!(out.mode, Mode::TetherHold);
 }
@@ -144,13 +144,13 @@ fn a_gap_shorter_than_the_timeout_is_flown_through() {
 fn a_rod_that_falls_ends_in_a_hover() {
     // Somebody pulls it over: further than thrust and rates can bring back.
     let mut flight = balancing(|_| {});
-    flight.world.outside.plant.rod.as_mut().unwrap().rate =
+    flight.world.environment.plant.rod.as_mut().unwrap().rate =
         tautline_sitl::plant::V3::new(25.0, 0.0, 0.0);
     let out = until(&mut flight, 2.0, |out| out.mode == Mode::TetherHold);
     let why = ["Pendulum fell: hovering", "Pendulum too far off: hovering"];
     assert!(why.iter().any(|text| told(&flight, text)), "{:?} {:?}", out.mode, flight.events);
     run(&mut flight, 8.0);
-    let plant = &flight.world.outside.plant;
+    let plant = &flight.world.environment.plant;
     assert_eq!(plant.rod.as_ref().unwrap().phase, RodPhase::Fallen);
     assert!(plant.body.tilt() < 0.2 && plant.body.height() > 0.5, "{:?}", plant.body);
 }

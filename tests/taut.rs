@@ -67,7 +67,7 @@ fn a_slack_hover_calibrates_the_thrust_and_the_vehicle_goes_out_until_the_link_p
         let out = flight.step(&mut |_| {});
         told = out.reply.and_then(|reply| reply.parameter);
         if flight.world.time() > 10.0 {
-            real += flight.world.outside.plant.thrust();
+            real += flight.world.environment.plant.thrust();
             commanded += f64::from(out.estimate.thrust);
         }
         assert!(flight.world.time() < 30.0, "{:?}", flight.events);
@@ -168,7 +168,7 @@ fn a_tether_set_point_becomes_a_smooth_move_of_elevation_and_force() {
         })
     });
     run(&mut flight, 4.0);
-    assert!((flight.world.outside.plant.tether.tension - 8.0).abs() < 1.0);
+    assert!((flight.world.environment.plant.tether.tension - 8.0).abs() < 1.0);
     assert!(!heard(&flight, "refused"), "{:?}", flight.events);
 }
 
@@ -230,7 +230,7 @@ fn a_broken_cable_in_a_taut_link_mode_ends_in_a_descent_to_the_ground() {
     until(&mut flight, 60.0, |out| out.mode == Mode::Descent);
     until(&mut flight, 60.0, |out| !out.is_armed);
     assert!(heard(&flight, "Tether slack: descending"));
-    assert!(flight.world.outside.plant.ground.is_touching());
+    assert!(flight.world.environment.plant.ground.is_touching());
 }
 
 #[test]

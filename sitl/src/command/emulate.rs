@@ -145,7 +145,7 @@ fn compare(
     let mut here = Flight::new(scenario, params, options.seed, std::io::sink())
         .map_err(|e| Failure::Usage(e.to_string()))?;
     here.fly(options.duration);
-    let position = here.world.outside.plant.from_anchor();
+    let position = here.world.environment.plant.from_anchor();
     let apart = (position - there.position).norm();
     let show = |p: &crate::plant::V3| format!("{:.3} {:.3} {:.3}", p.x, p.y, p.z);
     say!("            {:>26}  {:>26}", "on this machine", "on the emulated board");

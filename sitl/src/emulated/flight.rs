@@ -3,7 +3,7 @@
 use super::devices::Devices;
 use super::pipe::{Pipe, decode};
 use super::qemu::{Qemu, Telemetry};
-use crate::flight::{Outside, Pilot, Progress, Voice};
+use crate::flight::{Environment, Pilot, Progress, Voice};
 use crate::plant::V3;
 use crate::scenario::{FaultKind, Scenario};
 use mavlink::dialects::common::{HEARTBEAT_DATA, MavType, STATUSTEXT_DATA, WINCH_STATUS_DATA};
@@ -148,8 +148,8 @@ pub fn fly(plan: &Plan) -> io::Result<Outcome> {
 
 impl<'a> Host<'a> {
     fn new(plan: &'a Plan<'a>) -> io::Result<Self> {
-        let outside = Outside::new(plan.scenario, &plan.params, plan.seed);
-        let devices = Devices::new(outside, &plan.params, protocol(&plan.params))?;
+        let environment = Environment::new(plan.scenario, &plan.params, plan.seed);
+        let devices = Devices::new(environment, &plan.params, protocol(&plan.params))?;
         let pilot = Pilot::new(&plan.scenario.mission, plan.params.system_id as u8);
         let out = Outcome {
             progress: pilot.progress().clone(),
@@ -185,7 +185,7 @@ impl<'a> Host<'a> {
     }
 
     fn time(&self) -> f64 {
-        self.devices.outside.time()
+        self.devices.environment.time()
     }
 
     fn is_over(&mut self) -> bool {
@@ -197,8 +197,8 @@ impl<'a> Host<'a> {
             return true;
         }
         // Without a mission somebody at the telemetry port flies, for as long as they like.
-        let is_flown_outside = self.plan.scenario.mission.is_empty();
-        if is_flown_outside || *self.pilot.progress() == Progress::Flying {
+        let is_flown_by_others = self.plan.scenario.mission.is_empty();
+        if is_flown_by_others || *self.pilot.progress() == Progress::Flying {
             return false;
         }
         time > *self.ended_at.get_or_insert(time) + EPILOGUE
@@ -216,26 +216,26 @@ impl<'a> Host<'a> {
     fn advance(&mut self, pipe: &mut Pipe) -> io::Result<()> {
         if !self.has_begun {
             self.has_begun = true;
-            self.devices.outside.begin();
+            self.devices.environment.begin();
         }
         self.steps += 1;
-        let Devices { outside, escs, .. } = &mut self.devices;
-        outside.advance(escs, f64::from(self.status.winch_tension));
-        outside.expose();
+        let Devices { environment, escs, .. } = &mut self.devices;
+        environment.advance(escs, f64::from(self.status.winch_tension));
+        environment.expose();
         let heard = &mut self.console;
-        outside.look(&mut |frame| heard.extend_from_slice(frame));
-        if let Some(length) = outside.sensors.winch() {
+        environment.look(&mut |frame| heard.extend_from_slice(frame));
+        if let Some(length) = environment.sensors.winch() {
             let status = WINCH_STATUS_DATA {
                 line_length: length.length_mm as f32 * 1e-3,
                 ..WINCH_STATUS_DATA::default()
             };
             heard.extend_from_slice(&self.winch.frame(&status));
         }
-        if outside.suffers(FaultKind::LinkLost) {
+        if environment.suffers(FaultKind::LinkLost) {
             heard.clear();
         }
-        let is_ready = !outside.suffers(FaultKind::ImuSilent);
-        let time = outside.time();
+        let is_ready = !environment.suffers(FaultKind::ImuSilent);
+        let time = environment.time();
         let due = self.plan.injury.filter(|(at, _)| self.injured_at.is_none() && time >= *at);
         if due.is_some() {
             self.injured_at = Some(time);
@@ -243,7 +243,7 @@ impl<'a> Host<'a> {
         let take = self.console.len().min(CONSOLE);
         let console: Vec<u8> = self.console.drain(..take).collect();
         pipe.reply(&Reply::Tick {
-            now_us: self.devices.outside.now().0,
+            now_us: self.devices.environment.now().0,
             is_ready,
             console: &console,
             injury: due.map(|(_, injury)| injury),
@@ -274,7 +274,7 @@ impl<'a> Host<'a> {
         self.status = *status;
         self.keep_listening();
         let time = self.time();
-        let plant = &self.devices.outside.plant;
+        let plant = &self.devices.environment.plant;
         self.out.top = self.out.top.max(plant.body.height());
         if let Some(estimate) = status.position.filter(|_| status.is_in_air) {
             let off = V3::from(estimate.map(f64::from)) - plant.from_anchor();
@@ -282,17 +282,17 @@ impl<'a> Host<'a> {
         }
         let console = &mut self.console;
         self.pilot.step(status, time, &mut |frame| console.extend_from_slice(frame));
-        let outside = &mut self.devices.outside;
+        let environment = &mut self.devices.environment;
         if let Some(walk) = self.pilot.take_walk() {
-            outside.plant.anchor.go(walk);
+            environment.plant.anchor.go(walk);
         }
         if self.pilot.take_catch()
-            && let Some(rod) = &mut outside.plant.rod
+            && let Some(rod) = &mut environment.plant.rod
         {
             rod.catch();
         }
         let mode = MODES.iter().find(|rule| rule.custom_mode == status.custom_mode);
-        outside.let_go(mode.map_or(Mode::TetherHold, |rule| rule.mode));
+        environment.let_go(mode.map_or(Mode::TetherHold, |rule| rule.mode));
     }
 
     fn hear(&mut self, bytes: &[u8]) {
@@ -303,7 +303,7 @@ impl<'a> Host<'a> {
                     && let Ok(text) = STATUSTEXT_DATA::deser(MavlinkVersion::V2, frame.payload())
                     && let Ok(text) = text.text.to_str()
                 {
-                    self.out.texts.push((self.devices.outside.time(), text.to_owned()));
+                    self.out.texts.push((self.devices.environment.time(), text.to_owned()));
                 }
                 next = self.parser.pending();
             }
@@ -313,7 +313,7 @@ impl<'a> Host<'a> {
     fn finish(mut self, digest: u64) -> io::Result<Outcome> {
         self.out.stored = self.devices.stored()?;
         self.out.progress = self.pilot.progress().clone();
-        self.out.position = self.devices.outside.plant.from_anchor();
+        self.out.position = self.devices.environment.plant.from_anchor();
         self.out.time = self.time();
         self.out.took = self.began.elapsed().as_secs_f64();
         self.out.digest = digest;

@@ -173,7 +173,7 @@ fn picture(ask: &Ask) -> Result<Vec<grid::Cell>, String> {
         let (Some(angle), Some(reference)) = (&out.angle, &out.reference) else { continue };
         let now = flight.world.time();
         let time = now - *began.get_or_insert(now);
-        let plant = &flight.world.outside.plant;
+        let plant = &flight.world.environment.plant;
         let [north, west] = plane_angles(&World(plant.end())).map(f64::to_degrees);
         let [seen_north, seen_west] = angle.angles().map(|x| f64::from(x).to_degrees());
         let wanted = plane_angles(&World(reference.position.0.map(f64::from)));

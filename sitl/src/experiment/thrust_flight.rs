@@ -65,7 +65,7 @@ fn fly(ask: &Ask, seed: u64, known: Option<&ThrustFit>) -> Result<[f64; 3], Stri
     while flight.world.time() < LONGEST && !flight.is_over() {
         let out = flight.step(&mut |_| {});
         if out.mode == Mode::TetherAngle {
-            sum += flight.world.outside.plant.thrust() / f64::from(out.estimate.thrust) - 1.0;
+            sum += flight.world.environment.plant.thrust() / f64::from(out.estimate.thrust) - 1.0;
             count += 1.0;
         }
     }

@@ -17,7 +17,7 @@ pub const STEP_US: u64 = 1_000;
 
 /// What the firmware flies in.
 #[derive(Debug)]
-pub struct Outside {
+pub struct Environment {
     clock: FakeClock,
     /// Physical truth.
     pub plant: Plant,
@@ -33,7 +33,7 @@ pub struct Outside {
     started_us: u64,
 }
 
-impl Outside {
+impl Environment {
     /// Powers everything up; the devices are not set up yet.
     #[must_use]
     pub fn new(scenario: &Scenario, params: &Params, seed: u64) -> Self {
@@ -108,7 +108,7 @@ impl Outside {
         }
     }
 
-    /// The devices see this millisecond, for a reader outside.
+    /// The devices see this millisecond, for a reader environment.
     pub fn expose(&mut self) {
         self.sensors.expose(&self.plant, &self.faults, self.mounting);
     }

@@ -11,7 +11,7 @@ mod udp;
 mod world;
 
 pub use autopilot::Autopilot;
-pub use environment::Outside;
+pub use environment::Environment;
 pub use mission::{Pilot, Progress};
 pub use recorder::Recorder;
 pub use sender::Voice;
@@ -76,15 +76,15 @@ impl<W: Write> Flight<W> {
         let world = &mut self.world;
         self.pilot.step(&Status::of(&out), time, &mut |frame| world.receive(frame, send));
         if let Some(walk) = self.pilot.take_walk() {
-            self.world.outside.plant.anchor.go(walk);
+            self.world.environment.plant.anchor.go(walk);
         }
         if self.pilot.take_catch()
-            && let Some(rod) = &mut self.world.outside.plant.rod
+            && let Some(rod) = &mut self.world.environment.plant.rod
         {
             rod.catch();
         }
-        self.metrics.step(&out, &self.world.outside.plant, self.pilot.is_holding());
-        self.recorder.write(&out, &self.world.outside.plant);
+        self.metrics.step(&out, &self.world.environment.plant, self.pilot.is_holding());
+        self.recorder.write(&out, &self.world.environment.plant);
         self.events.extend(out.events.iter().map(|event| (time, *event)));
         out
     }

@@ -1,6 +1,6 @@
 //! One millisecond at a time: plant → sensors → drivers → the firmware's step → ESCs.
 
-use super::{Autopilot, Outside};
+use super::{Autopilot, Environment};
 use crate::scenario::{FaultKind, Scenario, ScenarioError};
 use tautline_board::flight::protocol;
 use tautline_firmware::link::Link;
@@ -15,7 +15,7 @@ use tautline_hal_shim::motors::MotorOutputs;
 #[derive(Debug)]
 pub struct World {
     /// All but the firmware.
-    pub outside: Outside,
+    pub environment: Environment,
     motors: MotorOutputs<FakeEsc>,
     /// The firmware.
     pub vehicle: Autopilot,
@@ -29,34 +29,34 @@ impl World {
     /// # Errors
     /// What a driver's set-up says.
     pub fn new(scenario: &Scenario, params: Params, seed: u64) -> Result<Self, ScenarioError> {
-        let mut outside = Outside::new(scenario, &params, seed);
-        outside.sensors.set_up().map_err(ScenarioError)?;
+        let mut environment = Environment::new(scenario, &params, seed);
+        environment.sensors.set_up().map_err(ScenarioError)?;
         let protocol = protocol(&params);
-        let escs = std::array::from_fn(|_| FakeEsc::new(outside.clock().clone(), protocol));
+        let escs = std::array::from_fn(|_| FakeEsc::new(environment.clock().clone(), protocol));
         let motors = match MotorOutputs::try_new(escs, protocol) {
             Ok(motors) => motors,
             Err(never) => match never {},
         };
-        let vehicle = Autopilot::new(scenario.scalar, params, outside.sensors.scale());
-        outside.begin();
-        Ok(Self { outside, motors, vehicle, link: Link::new() })
+        let vehicle = Autopilot::new(scenario.scalar, params, environment.sensors.scale());
+        environment.begin();
+        Ok(Self { environment, motors, vehicle, link: Link::new() })
     }
 
     /// µs since power-up.
     #[must_use]
     pub fn now(&self) -> Micros {
-        self.outside.now()
+        self.environment.now()
     }
 
     /// Seconds since the first step.
     #[must_use]
     pub fn time(&self) -> f64 {
-        self.outside.time()
+        self.environment.time()
     }
 
     /// Hands the link a datagram, unless the link is cut.
     pub fn receive(&mut self, datagram: &[u8], send: &mut dyn FnMut(&[u8])) {
-        if !self.outside.suffers(FaultKind::LinkLost) {
+        if !self.environment.suffers(FaultKind::LinkLost) {
             self.link.receive_datagram(self.now(), datagram, self.vehicle.params(), send);
         }
     }
@@ -64,14 +64,14 @@ impl World {
     /// One millisecond.
     pub fn step(&mut self, send: &mut dyn FnMut(&[u8])) -> StepOutput {
         let winch = f64::from(self.vehicle.winch_tension());
-        self.outside.advance(self.motors.channels_mut(), winch);
-        let (now, params) = (self.outside.now(), self.vehicle.params());
+        self.environment.advance(self.motors.channels_mut(), winch);
+        let (now, params) = (self.environment.now(), self.vehicle.params());
         let link = &mut self.link;
-        self.outside.look(&mut |frame| link.receive_datagram(now, frame, params, send));
+        self.environment.look(&mut |frame| link.receive_datagram(now, frame, params, send));
         let sensors = RawSensors {
             capture: self.link.take_capture(),
             rod: self.link.take_rod(),
-            ..self.outside.read()
+            ..self.environment.read()
         };
         let input = StepInput {
             now,
@@ -86,7 +86,7 @@ impl World {
             Err(never) => match never {},
         }
         self.link.transmit(&out, self.vehicle.params(), send);
-        self.outside.let_go(out.mode);
+        self.environment.let_go(out.mode);
         out
     }
 }

@@ -133,7 +133,7 @@ fn draw(report: &mut Report, ask: &Ask) -> Result<(), String> {
     let mut paths: [Vec<[f64; 3]>; 3] = Default::default();
     while flight.world.time() < LONGEST && !flight.is_over() {
         let out = flight.step(&mut |_| {});
-        let plant = &flight.world.outside.plant;
+        let plant = &flight.world.environment.plant;
         let (Some(report), Some(rod), Mode::Pendulum) = (&out.pendulum, &plant.rod, out.mode)
         else {
             continue;
