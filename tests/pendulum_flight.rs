@@ -11,7 +11,7 @@ use tautline_firmware::param::Params;
 use tautline_firmware::signal::Severity;
 use tautline_firmware::supervisor::Mode;
 use tautline_firmware::time::Micros;
-use tautline_sitl::flight::{Flight, Voice};
+use tautline_sitl::flight::{Flight, MavlinkSender};
 use tautline_sitl::plant::RodPhase;
 use tautline_sitl::scenario::{FaultKind, FaultSection, Scenario, Step};
 use tautline_tests::{HOLD, run, until};
@@ -78,9 +78,9 @@ fn a_load_at_rest_goes_where_a_position_target_sends_it() {
         target_component: 1,
         ..mav::SET_POSITION_TARGET_LOCAL_NED_DATA::default()
     };
-    let mut voice = Voice::new(255, 190);
+    let mut sender = MavlinkSender::new(255, 190);
     let mut say = |flight: &mut Flight<Vec<u8>>, z: f32| {
-        let bytes = voice.frame(&mav::SET_POSITION_TARGET_LOCAL_NED_DATA { z, ..target.clone() });
+        let bytes = sender.frame(&mav::SET_POSITION_TARGET_LOCAL_NED_DATA { z, ..target.clone() });
         flight.world.receive(&bytes, &mut |_| {});
         run(flight, 0.05);
     };
@@ -175,7 +175,7 @@ fn the_mode_is_refused_unless_the_rod_stands_upright_and_is_seen() {
 #[test]
 fn gains_that_lose_the_proof_are_told_when_they_are_set() {
     let mut flight = flown(|_| {}, &[]);
-    let mut voice = Voice::new(255, 190);
+    let mut sender = MavlinkSender::new(255, 190);
     let mut set = |flight: &mut Flight<Vec<u8>>, name: &str, value: f32| {
         let message = mav::PARAM_SET_DATA {
             param_value: value,
@@ -184,7 +184,7 @@ fn gains_that_lose_the_proof_are_told_when_they_are_set() {
             param_id: CharArray::from(name),
             param_type: mav::MavParamType::MAV_PARAM_TYPE_REAL32,
         };
-        let bytes = voice.frame(&message);
+        let bytes = sender.frame(&message);
         flight.world.receive(&bytes, &mut |_| {});
         run(flight, 0.05);
     };
@@ -197,7 +197,7 @@ fn gains_that_lose_the_proof_are_told_when_they_are_set() {
 
 fn heard<D: MessageData>(message: &D) -> Link {
     let mut link = Link::new();
-    let bytes = Voice::new(200, 197).frame(message);
+    let bytes = MavlinkSender::new(200, 197).frame(message);
     link.receive_datagram(Micros(1000), &bytes, &Params::default(), &mut |_| {});
     link
 }

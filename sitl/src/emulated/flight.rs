@@ -3,7 +3,7 @@
 use super::devices::Devices;
 use super::pipe::{Pipe, decode};
 use super::qemu::{Qemu, Telemetry};
-use crate::flight::{Environment, Pilot, Progress, Voice};
+use crate::flight::{Environment, MavlinkSender, Pilot, Progress};
 use crate::plant::V3;
 use crate::scenario::{FaultKind, Scenario};
 use mavlink::dialects::common::{HEARTBEAT_DATA, MavType, STATUSTEXT_DATA, WINCH_STATUS_DATA};
@@ -82,8 +82,8 @@ struct Host<'a> {
     plan: &'a Plan<'a>,
     devices: Devices,
     pilot: Pilot,
-    winch: Voice,
-    ground: Voice,
+    winch: MavlinkSender,
+    ground: MavlinkSender,
     parser: Parser,
     console: Vec<u8>,
     status: Status,
@@ -169,8 +169,8 @@ impl<'a> Host<'a> {
             plan,
             devices,
             pilot,
-            winch: Voice::new(WINCH, 1),
-            ground: Voice::new(GROUND, 1),
+            winch: MavlinkSender::new(WINCH, 1),
+            ground: MavlinkSender::new(GROUND, 1),
             parser: Parser::new(),
             console: Vec::new(),
             status: Status::default(),

@@ -1,8 +1,8 @@
 //! Motion capture: cameras that see the vehicle and the rod on it, and a computer that tells them by
 //! MAVLink: ODOMETRY, and DEBUG_VECT named `rod`. Late, noisy, and now and then not at all.
 
+use super::mavlink_sender::MavlinkSender;
 use super::recorder::quaternion;
-use super::sender::Voice;
 use crate::plant::{Generator, Plant, RodPhase, V3, generator, normal, uniform};
 use crate::scenario::{CaptureSection, FaultKind, Faults};
 use mavlink::dialects::common::{DEBUG_VECT_DATA, MavFrame, ODOMETRY_DATA};
@@ -19,7 +19,7 @@ const COMPONENT: u8 = 197;
 pub struct MotionCapture {
     model: CaptureSection,
     rng: Generator,
-    voice: Voice,
+    sender: MavlinkSender,
     /// When it arrives, µs, and its bytes.
     way: VecDeque<(u64, Vec<u8>)>,
     next_us: u64,
@@ -32,7 +32,7 @@ impl MotionCapture {
         Self {
             model,
             rng: generator(seed, 5),
-            voice: Voice::new(SYSTEM, COMPONENT),
+            sender: MavlinkSender::new(SYSTEM, COMPONENT),
             way: VecDeque::new(),
             next_us: 0,
         }
@@ -88,13 +88,13 @@ impl MotionCapture {
             child_frame_id: MavFrame::MAV_FRAME_BODY_FRD,
             ..ODOMETRY_DATA::default()
         };
-        let mut frames = vec![self.voice.frame(&pose)];
+        let mut frames = vec![self.sender.frame(&pose)];
         let rod = plant.rod.as_ref().filter(|rod| sees_rod && rod.phase != RodPhase::Fallen);
         if let Some(direction) = rod.map(|rod| rod.direction) {
             let [x, y, z] = self.shaken(direction, self.model.rod_noise);
             let name = CharArray::from("rod");
             let vector = DEBUG_VECT_DATA { time_usec: now_us, x, y, z, name };
-            frames.push(self.voice.frame(&vector));
+            frames.push(self.sender.frame(&vector));
         }
         frames
     }

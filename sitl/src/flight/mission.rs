@@ -1,6 +1,6 @@
 //! The built-in pilot: flies a scenario's mission by MAVLink, as a ground station would.
 
-use super::Voice;
+use super::MavlinkSender;
 use crate::plant::{V3, Walk};
 use crate::scenario::{Step, TautControl};
 use mavlink::MessageData;
@@ -79,7 +79,7 @@ pub struct Pilot {
     step_began: f64,
     commanded_at: Option<f64>,
     heartbeat_at: f64,
-    voice: Voice,
+    sender: MavlinkSender,
     target: u8,
     progress: Progress,
     /// Roll, pitch and throttle, once the pilot has the sticks.
@@ -99,7 +99,7 @@ impl Pilot {
             step_began: 0.0,
             commanded_at: None,
             heartbeat_at: f64::NEG_INFINITY,
-            voice: Voice::new(SYSTEM, COMPONENT),
+            sender: MavlinkSender::new(SYSTEM, COMPONENT),
             target: system,
             progress: if steps.is_empty() { Progress::Done } else { Progress::Flying },
             sticks: None,
@@ -333,6 +333,6 @@ impl Pilot {
     }
 
     fn send<D: MessageData>(&mut self, message: &D, say: &mut dyn FnMut(&[u8])) {
-        say(&self.voice.frame(message));
+        say(&self.sender.frame(message));
     }
 }

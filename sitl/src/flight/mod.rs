@@ -3,18 +3,18 @@
 mod autopilot;
 mod capture;
 mod environment;
+mod mavlink_sender;
 mod mission;
 mod recorder;
-mod sender;
 mod shadow;
 mod udp;
 mod world;
 
 pub use autopilot::Autopilot;
 pub use environment::Environment;
+pub use mavlink_sender::MavlinkSender;
 pub use mission::{Pilot, Progress};
 pub use recorder::Recorder;
-pub use sender::Voice;
 pub use udp::Udp;
 pub use world::World;
 

@@ -1,14 +1,14 @@
-//! Somebody who speaks MAVLink: the built-in pilot, the motion capture.
+//! One MAVLink sender of its own ids and sequence: the mission, the motion capture, the winch.
 
 use mavlink::{MAVLinkV2MessageRaw, MavHeader, MessageData};
 
-/// One sender.
+/// Frames messages with its ids and counts them.
 #[derive(Clone, Copy, Debug)]
-pub struct Voice {
+pub struct MavlinkSender {
     header: MavHeader,
 }
 
-impl Voice {
+impl MavlinkSender {
     /// With its ids.
     #[must_use]
     pub fn new(system_id: u32, component_id: u8) -> Self {
