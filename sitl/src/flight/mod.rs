@@ -6,7 +6,7 @@ mod environment;
 mod mavlink_sender;
 mod mission;
 mod recorder;
-mod shadow;
+mod shadow_estimators;
 mod udp;
 mod world;
 

@@ -1,6 +1,6 @@
 //! The flight on disk: the firmware's own ULog, and the truth beside it.
 
-use super::shadow::{Beside, TOPICS};
+use super::shadow_estimators::{ShadowEstimators, TOPICS};
 use crate::plant::Plant;
 use nalgebra::UnitQuaternion;
 use std::io::{self, Write};
@@ -14,8 +14,8 @@ use tautline_firmware::vehicle::StepOutput;
 
 /// Truth is written every so many steps.
 const TRUTH_PERIOD: u64 = 10;
-/// So are the estimators that run beside.
-const BESIDE_PERIOD: u64 = 20;
+/// So are the shadow estimators.
+const SHADOW_PERIOD: u64 = 20;
 
 const ATTITUDE: &str = "vehicle_attitude_groundtruth";
 const POSITION: &str = "vehicle_local_position_groundtruth";
@@ -28,8 +28,8 @@ pub struct Recorder<W: Write> {
     attitude: Topic,
     position: Topic,
     tether: Topic,
-    beside: Beside,
-    beside_topics: [Topic; TOPICS.len()],
+    shadow: ShadowEstimators,
+    shadow_topics: [Topic; TOPICS.len()],
     out: W,
     steps: u64,
     error: Option<io::Error>,
@@ -64,9 +64,9 @@ impl<W: Write> Recorder<W> {
         let attitude = log.ulog.subscribe(ATTITUDE, &mut sink);
         let position = log.ulog.subscribe(POSITION, &mut sink);
         let tether = log.ulog.subscribe(TETHER, &mut sink);
-        let beside_topics = TOPICS.map(|name| log.ulog.subscribe(name, &mut sink));
-        let beside = Beside::new(params);
-        Self { log, attitude, position, tether, beside, beside_topics, out, steps: 0, error }
+        let shadow_topics = TOPICS.map(|name| log.ulog.subscribe(name, &mut sink));
+        let shadow = ShadowEstimators::new(params);
+        Self { log, attitude, position, tether, shadow, shadow_topics, out, steps: 0, error }
     }
 
     /// One step and the truth at its end.
@@ -80,10 +80,10 @@ impl<W: Write> Recorder<W> {
             self.log.ulog.write(self.position, &true_position(at, plant), &mut sink);
             self.log.ulog.write(self.tether, &true_tether(at, plant), &mut sink);
         }
-        self.beside.step(out);
-        if self.steps.is_multiple_of(BESIDE_PERIOD) {
-            let records = self.beside.records(out.now.0);
-            for (topic, record) in self.beside_topics.iter().zip(&records) {
+        self.shadow.step(out);
+        if self.steps.is_multiple_of(SHADOW_PERIOD) {
+            let records = self.shadow.records(out.now.0);
+            for (topic, record) in self.shadow_topics.iter().zip(&records) {
                 if let Some(record) = record {
                     self.log.ulog.write(*topic, record, &mut sink);
                 }

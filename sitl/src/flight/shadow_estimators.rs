@@ -1,5 +1,5 @@
-//! The self-localisation estimators run beside the flight, on what the firmware's sense stage says, for
-//! the log: nothing flies on them.
+//! Shadow estimators: the self-localisation filters run on what the firmware's sense stage reports, for
+//! the log; nothing flies on them.
 
 use tautline_firmware::estimate::localization::{
     ErrorState, ErrorStateFilter, ErrorStateMeasurement, ErrorStateNoise, ErrorStateStart,
@@ -19,13 +19,13 @@ const SLOW_PERIOD: u32 = 20;
 /// Lower, the vehicle may still stand, m.
 const CLEAR: f64 = 0.6;
 
-/// Topics, in the order of [`Beside::records`].
+/// Topics, in the order of [`ShadowEstimators::records`].
 pub const TOPICS: [&str; 4] =
     ["estimator_ekf3", "estimator_ekf4_article", "estimator_low_pass", "estimator_error_state"];
 
-/// All of them.
+/// The filters, and their states while in the air.
 #[derive(Debug)]
-pub struct Beside {
+pub struct ShadowEstimators {
     mass: f64,
     has_winch: bool,
     ekf3: Ekf4<f64>,
@@ -54,7 +54,7 @@ fn wide(v: &V3<f32>) -> V3<f64> {
     v.map(f64::from)
 }
 
-impl Beside {
+impl ShadowEstimators {
     /// For a vehicle's parameters.
     #[must_use]
     pub fn new(p: &Params) -> Self {
@@ -164,7 +164,7 @@ impl Beside {
         }
     }
 
-    /// What each says now; `None` on the ground, and before it has started.
+    /// What each estimates now; `None` on the ground, and before it has started.
     #[must_use]
     pub fn records(&self, timestamp: u64) -> [Option<EstimatorPosition>; 4] {
         let Some(flying) = &self.flying else { return [None; 4] };
