@@ -52,7 +52,7 @@ fn the_same_seed_writes_the_same_log_byte_for_byte() {
             seed,
         );
         flight.fly(60.0);
-        assert_eq!(*flight.pilot.progress(), Progress::Done);
+        assert_eq!(*flight.mission.progress(), Progress::Done);
         flight.recorder.finish().unwrap()
     };
     let first = log(7);
@@ -86,6 +86,6 @@ fn a_takeoff_beyond_the_tether_is_refused_with_a_reason() {
     flight.fly(30.0);
     let told = |text: &str| flight.events.iter().any(|(_, e): &(f64, Event)| e.text.contains(text));
     assert!(told("Take-off refused: altitude beyond the tether"));
-    assert!(matches!(flight.pilot.progress(), Progress::Failed(_)));
+    assert!(matches!(flight.mission.progress(), Progress::Failed(_)));
     assert!(flight.world.environment.plant.ground.is_touching());
 }

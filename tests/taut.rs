@@ -80,7 +80,7 @@ fn a_slack_hover_calibrates_the_thrust_and_the_vehicle_goes_out_until_the_link_p
     let summary = flight.metrics.summary();
     assert_eq!(summary.lost, None);
     assert!(summary.taut.unwrap().elevation_rms_rad < 0.05, "{summary:?}");
-    assert_eq!(*flight.pilot.progress(), Progress::Done);
+    assert_eq!(*flight.mission.progress(), Progress::Done);
 }
 
 /// There is no position yet, so neither a hold nor a landing by position may begin.

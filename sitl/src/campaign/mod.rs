@@ -116,7 +116,7 @@ pub fn fly(scenario: &Scenario, seed: u64, limits: &Limits) -> Outcome {
     };
     flight.fly(LONGEST);
     let summary = flight.metrics.summary();
-    let mut reason = match (flight.pilot.progress(), summary.lost) {
+    let mut reason = match (flight.mission.progress(), summary.lost) {
         (_, Some(why)) => format!("lost: {why}"),
         (Progress::Done, None) => String::new(),
         (Progress::Failed(why), None) => why.clone(),

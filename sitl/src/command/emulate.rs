@@ -151,7 +151,7 @@ fn compare(
     say!("            {:>26}  {:>26}", "on this machine", "on the emulated board");
     say!(
         "mission     {:>26}  {:>26}",
-        show_progress(here.pilot.progress()),
+        show_progress(here.mission.progress()),
         show_progress(&there.progress)
     );
     say!("ended at    {:>24.2} s  {:>24.2} s", here.world.time(), there.time);

@@ -232,7 +232,7 @@ fn simulate(
     stop: &AtomicBool,
 ) {
     let factor = options.speedup.unwrap_or(if options.headless { 0.0 } else { 1.0 });
-    let has_mission = *flight.pilot.progress() == Progress::Flying;
+    let has_mission = *flight.mission.progress() == Progress::Flying;
     let mut status = StatusLine::new();
     let limit = options.duration.unwrap_or(f64::INFINITY);
     let began = Instant::now();
@@ -299,7 +299,7 @@ fn finish(
     if let Autopilot::Q16(_) = flight.world.vehicle {
         say!("Fixed point: {} operations saturated.", saturation::count());
     }
-    let progress = flight.pilot.progress().clone();
+    let progress = flight.mission.progress().clone();
     let summary = flight.metrics.summary();
     if let Ok(json) = serde_json::to_string(&summary) {
         say!("Against the truth: {json}");

@@ -3,7 +3,7 @@
 use super::devices::Devices;
 use super::pipe::{Pipe, decode};
 use super::qemu::{Qemu, Telemetry};
-use crate::flight::{Environment, MavlinkSender, Pilot, Progress};
+use crate::flight::{Environment, MavlinkSender, MissionRunner, Progress};
 use crate::plant::V3;
 use crate::scenario::{FaultKind, Scenario};
 use mavlink::dialects::common::{HEARTBEAT_DATA, MavType, STATUSTEXT_DATA, WINCH_STATUS_DATA};
@@ -81,7 +81,7 @@ pub struct Outcome {
 struct Host<'a> {
     plan: &'a Plan<'a>,
     devices: Devices,
-    pilot: Pilot,
+    mission: MissionRunner,
     winch: MavlinkSender,
     ground: MavlinkSender,
     parser: Parser,
@@ -150,9 +150,9 @@ impl<'a> Host<'a> {
     fn new(plan: &'a Plan<'a>) -> io::Result<Self> {
         let environment = Environment::new(plan.scenario, &plan.params, plan.seed);
         let devices = Devices::new(environment, &plan.params, protocol(&plan.params))?;
-        let pilot = Pilot::new(&plan.scenario.mission, plan.params.system_id as u8);
+        let mission = MissionRunner::new(&plan.scenario.mission, plan.params.system_id as u8);
         let out = Outcome {
-            progress: pilot.progress().clone(),
+            progress: mission.progress().clone(),
             position: V3::zeros(),
             top: 0.0,
             time: 0.0,
@@ -168,7 +168,7 @@ impl<'a> Host<'a> {
         Ok(Self {
             plan,
             devices,
-            pilot,
+            mission,
             winch: MavlinkSender::new(WINCH, 1),
             ground: MavlinkSender::new(GROUND, 1),
             parser: Parser::new(),
@@ -198,7 +198,7 @@ impl<'a> Host<'a> {
         }
         // Without a mission somebody at the telemetry port flies, for as long as they like.
         let is_flown_by_others = self.plan.scenario.mission.is_empty();
-        if is_flown_by_others || *self.pilot.progress() == Progress::Flying {
+        if is_flown_by_others || *self.mission.progress() == Progress::Flying {
             return false;
         }
         time > *self.ended_at.get_or_insert(time) + EPILOGUE
@@ -260,9 +260,9 @@ impl<'a> Host<'a> {
         }
     }
 
-    /// A ground station goes on listening when its pilot has given up.
+    /// A ground station goes on listening when its mission has failed or ended.
     fn keep_listening(&mut self) {
-        if *self.pilot.progress() != Progress::Flying && self.steps.is_multiple_of(HEARTBEAT_MS) {
+        if *self.mission.progress() != Progress::Flying && self.steps.is_multiple_of(HEARTBEAT_MS) {
             let heartbeat =
                 HEARTBEAT_DATA { mavtype: MavType::MAV_TYPE_GCS, ..HEARTBEAT_DATA::default() };
             self.console.extend_from_slice(&self.ground.frame(&heartbeat));
@@ -281,12 +281,12 @@ impl<'a> Host<'a> {
             self.squares = (self.squares.0 + off.norm_squared(), self.squares.1 + 1);
         }
         let console = &mut self.console;
-        self.pilot.step(status, time, &mut |frame| console.extend_from_slice(frame));
+        self.mission.step(status, time, &mut |frame| console.extend_from_slice(frame));
         let environment = &mut self.devices.environment;
-        if let Some(walk) = self.pilot.take_walk() {
+        if let Some(walk) = self.mission.take_walk() {
             environment.plant.anchor.go(walk);
         }
-        if self.pilot.take_catch()
+        if self.mission.take_catch()
             && let Some(rod) = &mut environment.plant.rod
         {
             rod.catch();
@@ -312,7 +312,7 @@ impl<'a> Host<'a> {
 
     fn finish(mut self, digest: u64) -> io::Result<Outcome> {
         self.out.stored = self.devices.stored()?;
-        self.out.progress = self.pilot.progress().clone();
+        self.out.progress = self.mission.progress().clone();
         self.out.position = self.devices.environment.plant.from_anchor();
         self.out.time = self.time();
         self.out.took = self.began.elapsed().as_secs_f64();

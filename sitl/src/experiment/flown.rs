@@ -10,7 +10,7 @@ pub fn why_lost<W: Write>(flight: &Flight<W>) -> Option<String> {
     if let Some(why) = flight.metrics.summary().lost {
         return Some(why.to_owned());
     }
-    if *flight.pilot.progress() == Progress::Done {
+    if *flight.mission.progress() == Progress::Done {
         return None;
     }
     let events = || flight.events.iter().map(|(_, event)| event);

@@ -1,4 +1,4 @@
-//! The built-in pilot: flies a scenario's mission by MAVLink, as a ground station would.
+//! The built-in mission runner: flies a scenario's mission by MAVLink, as a ground station would.
 
 use super::MavlinkSender;
 use crate::plant::{V3, Walk};
@@ -73,7 +73,7 @@ fn excitation(seen: &Status, altitude: f64, time: f64) -> [f64; 3] {
 
 /// State of the mission.
 #[derive(Debug)]
-pub struct Pilot {
+pub struct MissionRunner {
     steps: Vec<Step>,
     at: usize,
     step_began: f64,
@@ -82,14 +82,14 @@ pub struct Pilot {
     sender: MavlinkSender,
     target: u8,
     progress: Progress,
-    /// Roll, pitch and throttle, once the pilot has the sticks.
+    /// Roll, pitch and throttle, once the mission has the sticks.
     sticks: Option<[f64; 3]>,
     sticks_at: f64,
     walk: Option<Walk>,
     catches: bool,
 }
 
-impl Pilot {
+impl MissionRunner {
     /// For a mission; `system` is the vehicle's MAVLink id.
     #[must_use]
     pub fn new(steps: &[Step], system: u8) -> Self {

@@ -13,7 +13,7 @@ mod world;
 pub use autopilot::Autopilot;
 pub use environment::Environment;
 pub use mavlink_sender::MavlinkSender;
-pub use mission::{Pilot, Progress};
+pub use mission::{MissionRunner, Progress};
 pub use recorder::Recorder;
 pub use udp::Udp;
 pub use world::World;
@@ -29,13 +29,13 @@ use tautline_firmware::vehicle::StepOutput;
 /// After the mission the world goes on for this long, so that the log shows it at rest, s.
 const EPILOGUE: f64 = 2.0;
 
-/// World, pilot, log and measurements, advanced together.
+/// World, mission, log and measurements, advanced together.
 #[derive(Debug)]
 pub struct Flight<W: Write> {
     /// The world.
     pub world: World,
-    /// Its pilot.
-    pub pilot: Pilot,
+    /// Its mission.
+    pub mission: MissionRunner,
     /// Its log.
     pub recorder: Recorder<W>,
     /// Against the truth.
@@ -58,10 +58,10 @@ impl<W: Write> Flight<W> {
     ) -> Result<Self, ScenarioError> {
         let world = World::new(scenario, params, seed)?;
         let recorder = Recorder::start(log, world.now(), &params);
-        let pilot = Pilot::new(&scenario.mission, params.system_id as u8);
+        let mission = MissionRunner::new(&scenario.mission, params.system_id as u8);
         Ok(Self {
             world,
-            pilot,
+            mission,
             recorder,
             metrics: Metrics::default(),
             events: Vec::new(),
@@ -74,16 +74,16 @@ impl<W: Write> Flight<W> {
         let out = self.world.step(send);
         let time = self.world.time();
         let world = &mut self.world;
-        self.pilot.step(&Status::of(&out), time, &mut |frame| world.receive(frame, send));
-        if let Some(walk) = self.pilot.take_walk() {
+        self.mission.step(&Status::of(&out), time, &mut |frame| world.receive(frame, send));
+        if let Some(walk) = self.mission.take_walk() {
             self.world.environment.plant.anchor.go(walk);
         }
-        if self.pilot.take_catch()
+        if self.mission.take_catch()
             && let Some(rod) = &mut self.world.environment.plant.rod
         {
             rod.catch();
         }
-        self.metrics.step(&out, &self.world.environment.plant, self.pilot.is_holding());
+        self.metrics.step(&out, &self.world.environment.plant, self.mission.is_holding());
         self.recorder.write(&out, &self.world.environment.plant);
         self.events.extend(out.events.iter().map(|event| (time, *event)));
         out
@@ -98,7 +98,7 @@ impl<W: Write> Flight<W> {
 
     /// The mission has ended and its epilogue too.
     pub fn is_over(&mut self) -> bool {
-        if *self.pilot.progress() == Progress::Flying {
+        if *self.mission.progress() == Progress::Flying {
             return false;
         }
         let time = self.world.time();

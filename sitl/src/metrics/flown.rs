@@ -85,7 +85,7 @@ fn estimated(out: &StepOutput) -> Rotation3<f64> {
 }
 
 impl Metrics {
-    /// One step; `is_holding` while the pilot's hold lasts.
+    /// One step; `is_holding` while a hold of the mission lasts.
     pub fn step(&mut self, out: &StepOutput, plant: &Plant, is_holding: bool) {
         let body = &plant.body;
         let touches = plant.ground.is_touching();

@@ -37,7 +37,7 @@ impl Default for CaptureSection {
     }
 }
 
-/// `[rod]`: a load balanced on top. Somebody holds it until the pilot's step `pendulum`.
+/// `[rod]`: a load balanced on top. Somebody holds it until the mission's step `pendulum`.
 #[derive(Clone, Debug, Deserialize, Serialize, PartialEq)]
 #[serde(default, deny_unknown_fields)]
 pub struct RodSection {

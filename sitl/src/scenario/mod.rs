@@ -54,7 +54,7 @@ pub struct Scenario {
     pub params: BTreeMap<String, f32>,
     /// Faults, at their times.
     pub fault: Vec<FaultSection>,
-    /// What the built-in pilot flies; empty: nobody flies.
+    /// What the built-in mission runner flies; empty: nobody flies.
     pub mission: Vec<Step>,
 }
 

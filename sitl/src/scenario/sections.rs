@@ -298,7 +298,7 @@ pub enum TautControl {
     Attitude,
 }
 
-/// `[[mission]]`: one step of the built-in pilot.
+/// `[[mission]]`: one step of the built-in mission runner.
 #[derive(Clone, Debug, Deserialize, Serialize, PartialEq)]
 #[serde(tag = "do", rename_all = "snake_case", deny_unknown_fields)]
 pub enum Step {
@@ -360,7 +360,7 @@ pub enum Step {
         /// Up to that speed and down again, s.
         ramp: f64,
     },
-    /// Take the sticks: throttle down, mode Altitude. The pilot keeps them from here on.
+    /// Take the sticks: throttle down, mode Altitude. The mission keeps them from here on.
     Altitude,
     /// In Altitude: climb to a height and shake thrust, roll and pitch there.
     Excite {
