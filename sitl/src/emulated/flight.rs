@@ -223,7 +223,7 @@ impl<'a> Host<'a> {
         environment.advance(escs, f64::from(self.status.winch_tension));
         environment.expose();
         let heard = &mut self.console;
-        environment.look(&mut |frame| heard.extend_from_slice(frame));
+        environment.publish_capture(&mut |frame| heard.extend_from_slice(frame));
         if let Some(length) = environment.sensors.winch() {
             let status = WINCH_STATUS_DATA {
                 line_length: length.length_mm as f32 * 1e-3,
@@ -231,10 +231,10 @@ impl<'a> Host<'a> {
             };
             heard.extend_from_slice(&self.winch.frame(&status));
         }
-        if environment.suffers(FaultKind::LinkLost) {
+        if environment.is_active(FaultKind::LinkLost) {
             heard.clear();
         }
-        let is_ready = !environment.suffers(FaultKind::ImuSilent);
+        let is_ready = !environment.is_active(FaultKind::ImuSilent);
         let time = environment.time();
         let due = self.plan.injury.filter(|(at, _)| self.injured_at.is_none() && time >= *at);
         if due.is_some() {
@@ -292,7 +292,7 @@ impl<'a> Host<'a> {
             rod.catch();
         }
         let mode = MODES.iter().find(|rule| rule.custom_mode == status.custom_mode);
-        environment.let_go(mode.map_or(Mode::TetherHold, |rule| rule.mode));
+        environment.release_rod(mode.map_or(Mode::TetherHold, |rule| rule.mode));
     }
 
     fn hear(&mut self, bytes: &[u8]) {

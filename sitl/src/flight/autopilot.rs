@@ -1,4 +1,4 @@
-//! The firmware in the scalar of one's choice, told of in single precision.
+//! The firmware in the scalar of one's choice, reported in single precision.
 
 use crate::scenario::Arithmetic;
 use tautline_firmware::fixed::Q16;
@@ -48,7 +48,7 @@ impl Autopilot {
         }
     }
 
-    /// Pull asked of the winch, N.
+    /// Tension commanded to the winch, N.
     #[must_use]
     pub fn winch_tension(&self) -> f32 {
         match self {

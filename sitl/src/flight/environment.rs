@@ -1,4 +1,4 @@
-//! Everything but the firmware: the physical world, the vehicle's devices, and whoever stands beside it.
+//! Everything but the firmware: the physical world, the vehicle's devices, and its companions.
 
 use super::capture::MotionCapture;
 use crate::plant::{Disturbance, DisturbanceKind, Plant, Push, generator};
@@ -27,7 +27,7 @@ pub struct Environment {
     pub faults: Faults,
     capture: Option<MotionCapture>,
     mounting: Mounting,
-    /// Until a hand lets go of the rod after the change of mode, s; and when that was.
+    /// From the change of mode until the rod is released, s; and when that change was, s.
     reaction: f64,
     balancing_since: Option<f64>,
     started_us: u64,
@@ -45,12 +45,12 @@ impl Environment {
         if scenario.push.kind != DisturbanceKind::None {
             plant.push = Some(Push::new(Disturbance::new(scenario.push.kind, seed)));
         }
-        let sees = scenario.capture.rate > 0.0;
+        let has_capture = scenario.capture.rate > 0.0;
         Self {
             plant,
             sensors: SensorSuite::new(&scenario.sensors, clock.clone(), seed),
             faults: Faults::new(&scenario.fault),
-            capture: sees.then(|| MotionCapture::new(scenario.capture.clone(), seed)),
+            capture: has_capture.then(|| MotionCapture::new(scenario.capture.clone(), seed)),
             mounting: Mounting::from_parameter(params.board_rotation),
             reaction: scenario.rod.reaction,
             balancing_since: None,
@@ -83,16 +83,16 @@ impl Environment {
         (self.clock.now_us() - self.started_us) as f64 * 1e-6
     }
 
-    /// Whether a fault is present now.
+    /// Whether a fault is active now.
     #[must_use]
-    pub fn suffers(&self, kind: FaultKind) -> bool {
-        self.faults.is_present(kind, self.clock.now_us() as f64 * 1e-6)
+    pub fn is_active(&self, kind: FaultKind) -> bool {
+        self.faults.is_active(kind, self.clock.now_us() as f64 * 1e-6)
     }
 
-    /// One millisecond of physics, with what the motors and the winch are told.
+    /// One millisecond of physics, with the commands of the motors and the winch.
     pub fn advance(&mut self, escs: &[FakeEsc; MOTORS], winch: f64) {
         let throttle = std::array::from_fn(|i| escs.get(i).map_or(0.0, FakeEsc::throttle));
-        self.plant.model_mut().tether.is_broken = self.suffers(FaultKind::TetherBroken);
+        self.plant.model_mut().tether.is_broken = self.is_active(FaultKind::TetherBroken);
         let time = self.clock.now_us() as f64 * 1e-6;
         if let Some(charge) = self.faults.value(FaultKind::BatteryAt, time) {
             self.plant.battery.charge = self.plant.battery.charge.min(charge.clamp(0.0, 1.0));
@@ -101,14 +101,14 @@ impl Environment {
         self.clock.advance_to(self.clock.now_us() + STEP_US);
     }
 
-    /// What the motion capture says, frame by frame.
-    pub fn look(&mut self, tell: &mut dyn FnMut(&[u8])) {
+    /// Publishes the motion capture's frames that arrive now.
+    pub fn publish_capture(&mut self, publish: &mut dyn FnMut(&[u8])) {
         if let Some(capture) = &mut self.capture {
-            capture.step(self.clock.now_us(), &self.plant, &self.faults, tell);
+            capture.step(self.clock.now_us(), &self.plant, &self.faults, publish);
         }
     }
 
-    /// The devices see this millisecond, for a reader environment.
+    /// Exposes the devices to this millisecond, for a reader outside.
     pub fn expose(&mut self) {
         self.sensors.expose(&self.plant, &self.faults, self.mounting);
     }
@@ -118,16 +118,16 @@ impl Environment {
         self.sensors.read(&self.plant, &self.faults, self.mounting)
     }
 
-    /// Whoever holds the rod lets go when the vehicle balances it.
-    pub fn let_go(&mut self, mode: Mode) {
+    /// Releases the rod from the hand that holds it, some time after the mode has changed to balancing it.
+    pub fn release_rod(&mut self, mode: Mode) {
         if mode != Mode::Pendulum {
             self.balancing_since = None;
             return;
         }
         let now = self.time();
         let since = *self.balancing_since.get_or_insert(now);
-        let lets_go = (since + self.reaction..since + self.reaction + 1.5e-3).contains(&now);
-        if let Some(rod) = self.plant.rod.as_mut().filter(|_| lets_go) {
+        let is_due = (since + self.reaction..since + self.reaction + 1.5e-3).contains(&now);
+        if let Some(rod) = self.plant.rod.as_mut().filter(|_| is_due) {
             rod.release();
         }
     }

@@ -40,7 +40,7 @@ pub struct Flight<W: Write> {
     pub recorder: Recorder<W>,
     /// Against the truth.
     pub metrics: Metrics,
-    /// What the operator was told, with its time, s.
+    /// Events reported to the operator, with their times, s.
     pub events: Vec<(f64, Event)>,
     ended_at: Option<f64>,
 }
@@ -69,7 +69,7 @@ impl<W: Write> Flight<W> {
         })
     }
 
-    /// One millisecond. `send` gets what the vehicle says on MAVLink.
+    /// One millisecond. `send` is called with the vehicle's MAVLink frames.
     pub fn step(&mut self, send: &mut dyn FnMut(&[u8])) -> StepOutput {
         let out = self.world.step(send);
         let time = self.world.time();

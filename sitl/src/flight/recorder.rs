@@ -21,7 +21,7 @@ const ATTITUDE: &str = "vehicle_attitude_groundtruth";
 const POSITION: &str = "vehicle_local_position_groundtruth";
 const TETHER: &str = "tether_state_groundtruth";
 
-/// Writes a log; the first write error ends it and is told by [`Self::finish`].
+/// Writes a log; the first write error ends it and is returned by [`Self::finish`].
 #[derive(Debug)]
 pub struct Recorder<W: Write> {
     log: FlightLog,

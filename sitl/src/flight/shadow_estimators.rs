@@ -83,8 +83,8 @@ impl ShadowEstimators {
         }
     }
 
-    /// The pull that the three-state filter takes for known: the winch's set-point, or what the mode on
-    /// the taut tether says of it.
+    /// The pull that the three-state filter takes for known: the winch's set-point, or the estimate of the
+    /// mode on the taut tether.
     fn known_tension(&self, out: &StepOutput) -> Option<f64> {
         if let Some(angle) = &out.angle {
             return Some(f64::from(angle.tension));

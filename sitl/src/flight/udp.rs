@@ -1,5 +1,5 @@
 //! MAVLink over UDP, on PX4's ports: 18570+i → 14550 for ground stations, 14580+i → 14540+i for
-//! programs. The vehicle speaks first; whoever answers is added.
+//! programs. The vehicle sends first; whoever answers is added.
 
 use std::io;
 use std::net::{Ipv4Addr, SocketAddr, UdpSocket};
@@ -7,7 +7,7 @@ use std::net::{Ipv4Addr, SocketAddr, UdpSocket};
 /// Most peers per socket; the one that spoke least recently makes room.
 const PEERS: usize = 8;
 const LONGEST: usize = 2_048;
-/// Datagrams taken per look and socket: a flood may not stop the world.
+/// Datagrams taken per call and socket: a flood may not stop the world.
 const AT_ONCE: usize = 256;
 
 /// One socket and those it talks to, most recent first; the last is where it calls out to.

@@ -27,7 +27,7 @@ impl World {
     /// Powers everything up. `params` come from the scenario, the command line or a file.
     ///
     /// # Errors
-    /// What a driver's set-up says.
+    /// What a driver's set-up reports.
     pub fn new(scenario: &Scenario, params: Params, seed: u64) -> Result<Self, ScenarioError> {
         let mut environment = Environment::new(scenario, &params, seed);
         environment.sensors.set_up().map_err(ScenarioError)?;
@@ -56,7 +56,7 @@ impl World {
 
     /// Hands the link a datagram, unless the link is cut.
     pub fn receive(&mut self, datagram: &[u8], send: &mut dyn FnMut(&[u8])) {
-        if !self.environment.suffers(FaultKind::LinkLost) {
+        if !self.environment.is_active(FaultKind::LinkLost) {
             self.link.receive_datagram(self.now(), datagram, self.vehicle.params(), send);
         }
     }
@@ -67,7 +67,8 @@ impl World {
         self.environment.advance(self.motors.channels_mut(), winch);
         let (now, params) = (self.environment.now(), self.vehicle.params());
         let link = &mut self.link;
-        self.environment.look(&mut |frame| link.receive_datagram(now, frame, params, send));
+        self.environment
+            .publish_capture(&mut |frame| link.receive_datagram(now, frame, params, send));
         let sensors = RawSensors {
             capture: self.link.take_capture(),
             rod: self.link.take_rod(),
@@ -86,7 +87,7 @@ impl World {
             Err(never) => match never {},
         }
         self.link.transmit(&out, self.vehicle.params(), send);
-        self.environment.let_go(out.mode);
+        self.environment.release_rod(out.mode);
         out
     }
 }

@@ -1,4 +1,4 @@
-//! Which faults are present now?
+//! Which faults are active now?
 
 use super::{FaultKind, FaultSection};
 
@@ -20,7 +20,7 @@ impl Faults {
         self.list.push(fault);
     }
 
-    /// Its value, if the fault is present at `time`, s.
+    /// Its value, if the fault is active at `time`, s.
     #[must_use]
     pub fn value(&self, kind: FaultKind, time: f64) -> Option<f64> {
         self.list
@@ -29,9 +29,9 @@ impl Faults {
             .map(|f| f.value)
     }
 
-    /// Whether the fault is present at `time`, s.
+    /// Whether the fault is active at `time`, s.
     #[must_use]
-    pub fn is_present(&self, kind: FaultKind, time: f64) -> bool {
+    pub fn is_active(&self, kind: FaultKind, time: f64) -> bool {
         self.value(kind, time).is_some()
     }
 }
