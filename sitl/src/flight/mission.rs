@@ -14,7 +14,7 @@ use tautline_firmware::supervisor::Mode;
 const SYSTEM: u32 = 255;
 const COMPONENT: u8 = 190;
 /// A step of the mission that takes longer has failed, s.
-const PATIENCE: f64 = 120.0;
+const TIMEOUT: f64 = 120.0;
 const HEARTBEAT_PERIOD: f64 = 0.5;
 /// A command is sent again after this time, s.
 const REPEAT: f64 = 1.0;
@@ -42,13 +42,13 @@ fn taut_mode(control: TautControl) -> Mode {
 }
 
 /// The taut-link reference, if it rests.
-fn taut_rest(seen: &Status) -> Option<(f64, f64)> {
-    let point = seen.taut.filter(|point| point.rests)?;
+fn taut_rest(status: &Status) -> Option<(f64, f64)> {
+    let point = status.taut.filter(|point| point.rests)?;
     Some((f64::from(point.elevation), f64::from(point.second)))
 }
 
-fn is_at(x: f64, wanted: f64) -> bool {
-    (x - wanted).abs() < 1e-3
+fn is_at(x: f64, target: f64) -> bool {
+    (x - target).abs() < 1e-3
 }
 
 /// Parameters of DO_SET_MODE: custom mode, then PX4's main and sub mode.
@@ -59,10 +59,10 @@ fn set_mode(p: &mut [f32; 7], mode: Mode) {
 }
 
 /// Sticks that shake all four motors: square waves of different periods on climb rate, roll and pitch,
-/// about the wanted height.
-fn excitation(seen: &Status, altitude: f64, time: f64) -> [f64; 3] {
+/// about the height.
+fn excitation(status: &Status, altitude: f64, time: f64) -> [f64; 3] {
     let square = |period: f64| if (time / period).rem_euclid(1.0) < 0.5 { 1.0 } else { -1.0 };
-    let low = altitude - f64::from(seen.height);
+    let low = altitude - f64::from(status.height);
     if low > CLIMB_FIRST {
         return [0.0, 0.0, 0.8];
     }
@@ -120,7 +120,7 @@ impl MissionRunner {
         self.walk.take()
     }
 
-    /// Whether a hand takes the rod now.
+    /// Whether a hand catches the rod now.
     pub fn take_catch(&mut self) -> bool {
         std::mem::take(&mut self.catches)
     }
@@ -132,8 +132,8 @@ impl MissionRunner {
             && self.progress == Progress::Flying
     }
 
-    /// Looks at what the vehicle's last step told and says what to say.
-    pub fn step(&mut self, seen: &Status, time: f64, say: &mut dyn FnMut(&[u8])) {
+    /// Takes the vehicle's last status and sends what the step needs.
+    pub fn step(&mut self, status: &Status, time: f64, send: &mut dyn FnMut(&[u8])) {
         if self.progress != Progress::Flying {
             return;
         }
@@ -144,7 +144,7 @@ impl MissionRunner {
                 autopilot: MavAutopilot::MAV_AUTOPILOT_INVALID,
                 ..HEARTBEAT_DATA::default()
             };
-            self.send(&heartbeat, say);
+            self.send(&heartbeat, send);
         }
         let Some(step) = self.steps.get(self.at).cloned() else {
             self.progress = Progress::Done;
@@ -154,80 +154,83 @@ impl MissionRunner {
         if let Some(sticks) = self.sticks.filter(|_| time >= self.sticks_at + STICKS_PERIOD) {
             self.sticks_at = time;
             let excited = match step {
-                Step::Excite { altitude, .. } => excitation(seen, altitude, waited),
+                Step::Excite { altitude, .. } => excitation(status, altitude, waited),
                 _ => sticks,
             };
-            self.say_sticks(excited, say);
+            self.send_sticks(excited, send);
         }
         if let Step::WalkAnchor { way: [north, east], speed, ramp } = step {
             self.walk = Some(Walk { way: V3::new(north, east, 0.0), speed, ramp });
         }
         self.catches |= step == Step::CatchRod;
-        if self.is_done(&step, seen, waited) {
+        if self.is_done(&step, status, waited) {
             self.at += 1;
             self.step_began = time;
             self.commanded_at = None;
             return;
         }
-        let patience = match step {
+        let timeout = match step {
             Step::Hold { seconds } => seconds + 1.0,
             Step::AwaitDisarmed { timeout } => timeout,
             Step::Excite { seconds, .. } => seconds + 1.0,
-            _ => PATIENCE,
+            _ => TIMEOUT,
         };
-        if waited > patience {
-            self.progress = Progress::Failed(format!("{step:?} not done after {patience} s"));
+        if waited > timeout {
+            self.progress = Progress::Failed(format!("{step:?} not done after {timeout} s"));
             return;
         }
         let is_flight = !matches!(step, Step::Arm | Step::Altitude | Step::AwaitDisarmed { .. });
-        if is_flight && !seen.is_armed && waited > REPEAT && !matches!(step, Step::Land) {
+        if is_flight && !status.is_armed && waited > REPEAT && !matches!(step, Step::Land) {
             self.progress = Progress::Failed(format!("disarmed during {step:?}"));
             return;
         }
-        if self.commanded_at.is_none_or(|at| time > at + REPEAT) && self.command(&step, seen, say) {
+        if self.commanded_at.is_none_or(|at| time > at + REPEAT)
+            && self.command(&step, status, send)
+        {
             self.commanded_at = Some(time);
         }
     }
 
-    fn is_done(&self, step: &Step, seen: &Status, waited: f64) -> bool {
+    fn is_done(&self, step: &Step, status: &Status, waited: f64) -> bool {
         match step {
-            Step::Arm => seen.is_armed,
-            Step::Takeoff { .. } => seen.is_in(Mode::TetherHold) && seen.is_in_air,
+            Step::Arm => status.is_armed,
+            Step::Takeoff { .. } => status.is_in(Mode::TetherHold) && status.is_in_air,
             Step::Hold { seconds } => waited >= *seconds,
             Step::Move { .. } => {
-                let rests = seen.reference_speed.is_some_and(|speed| speed < 1e-3);
+                let rests = status.reference_speed.is_some_and(|speed| speed < 1e-3);
                 self.commanded_at.is_some() && waited > 2.0 && rests
             }
-            Step::Taut { control } => seen.is_in(taut_mode(*control)),
+            Step::Taut { control } => status.is_in(taut_mode(*control)),
             Step::TautMove { elevation: [_, to], second: [_, second], duration, .. } => {
                 waited > *duration
-                    && taut_rest(seen).is_some_and(|(phi, y)| is_at(phi, *to) && is_at(y, *second))
+                    && taut_rest(status)
+                        .is_some_and(|(phi, y)| is_at(phi, *to) && is_at(y, *second))
             }
-            Step::TetherHold => seen.is_in(Mode::TetherHold),
-            Step::TetherAngle => seen.is_in(Mode::TetherAngle),
-            Step::Pendulum => seen.is_in(Mode::Pendulum),
-            Step::Altitude => seen.is_in(Mode::Altitude),
+            Step::TetherHold => status.is_in(Mode::TetherHold),
+            Step::TetherAngle => status.is_in(Mode::TetherAngle),
+            Step::Pendulum => status.is_in(Mode::Pendulum),
+            Step::Altitude => status.is_in(Mode::Altitude),
             Step::Excite { seconds, .. } => waited >= *seconds,
             Step::WalkAnchor { .. } | Step::CatchRod => true,
-            Step::Land | Step::AwaitDisarmed { .. } => !seen.is_armed,
+            Step::Land | Step::AwaitDisarmed { .. } => !status.is_armed,
         }
     }
 
-    /// Says what the step needs; false when nothing is to be said.
-    fn command(&mut self, step: &Step, seen: &Status, say: &mut dyn FnMut(&[u8])) -> bool {
+    /// Sends what the step needs; false when nothing is to be sent.
+    fn command(&mut self, step: &Step, status: &Status, send: &mut dyn FnMut(&[u8])) -> bool {
         let degrees = |x: &Option<f64>| x.map_or(f32::NAN, |x| x.to_degrees() as f32);
         let plain = |x: &Option<f64>| x.map_or(f32::NAN, |x| x as f32);
         let mut p = [0.0_f32; 7];
         let command = match step {
             Step::Arm => {
-                if !seen.is_armable {
+                if !status.is_armable {
                     return false;
                 }
                 p = [1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
                 MavCmd::MAV_CMD_COMPONENT_ARM_DISARM
             }
             Step::Takeoff { altitude } => {
-                if seen.is_in(Mode::Takeoff) {
+                if status.is_in(Mode::Takeoff) {
                     return false;
                 }
                 p = [0.0, 0.0, 0.0, f32::NAN, f32::NAN, f32::NAN, *altitude as f32];
@@ -272,7 +275,7 @@ impl MissionRunner {
             Step::TautMove { elevation: [from, to], second: [y_from, y_to], control, duration } => {
                 // Again until it is accepted and flown.
                 let is_there = |(phi, y)| is_at(phi, *to) && is_at(y, *y_to);
-                if taut_rest(seen).is_none_or(is_there) {
+                if taut_rest(status).is_none_or(is_there) {
                     return false;
                 }
                 let is_force = *control == TautControl::Force;
@@ -290,7 +293,7 @@ impl MissionRunner {
                 if is_force { MavCmd::MAV_CMD_USER_2 } else { MavCmd::MAV_CMD_USER_3 }
             }
             Step::Land => {
-                if seen.is_in(Mode::Land) {
+                if status.is_in(Mode::Land) {
                     return false;
                 }
                 MavCmd::MAV_CMD_NAV_LAND
@@ -315,11 +318,11 @@ impl MissionRunner {
             target_component: 1,
             confirmation: 0,
         };
-        self.send(&message, say);
+        self.send(&message, send);
         true
     }
 
-    fn say_sticks(&mut self, [roll, pitch, throttle]: [f64; 3], say: &mut dyn FnMut(&[u8])) {
+    fn send_sticks(&mut self, [roll, pitch, throttle]: [f64; 3], send: &mut dyn FnMut(&[u8])) {
         let unit = |x: f64| (x.clamp(-1.0, 1.0) * 1e3) as i16;
         let message = MANUAL_CONTROL_DATA {
             x: unit(pitch),
@@ -329,10 +332,10 @@ impl MissionRunner {
             target: self.target,
             ..MANUAL_CONTROL_DATA::default()
         };
-        self.send(&message, say);
+        self.send(&message, send);
     }
 
-    fn send<D: MessageData>(&mut self, message: &D, say: &mut dyn FnMut(&[u8])) {
-        say(&self.sender.frame(message));
+    fn send<D: MessageData>(&mut self, message: &D, send: &mut dyn FnMut(&[u8])) {
+        send(&self.sender.frame(message));
     }
 }

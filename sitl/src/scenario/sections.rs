@@ -302,7 +302,7 @@ pub enum TautControl {
 #[derive(Clone, Debug, Deserialize, Serialize, PartialEq)]
 #[serde(tag = "do", rename_all = "snake_case", deny_unknown_fields)]
 pub enum Step {
-    /// Wait until the vehicle says that it can be armed, then arm.
+    /// Wait until the vehicle reports that it can be armed, then arm.
     Arm,
     /// Take off to this altitude, m, and wait for the hold.
     Takeoff {
