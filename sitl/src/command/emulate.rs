@@ -47,7 +47,7 @@ pub struct Options {
     out: PathBuf,
 }
 
-/// What the image may suffer.
+/// What may be injected into the image.
 #[derive(Clone, Copy, Debug, ValueEnum)]
 enum InjuryKind {
     /// An access that no bus answers
@@ -89,7 +89,7 @@ pub fn run(options: &Options) -> Result<(), Failure> {
         say!("The second run is the same to the byte ({:016x}).", again.digest);
     }
     if injury.is_some() {
-        return judge_injury(&there);
+        return evaluate_injury(&there);
     }
     if options.telemetry.is_some() {
         return Ok(());
@@ -120,9 +120,9 @@ fn report(there: &Outcome) {
     say!("Stack: {} of {} bytes.", counts.stack, counts.stack_room);
 }
 
-fn judge_injury(there: &Outcome) -> Result<(), Failure> {
-    let told = there.texts.iter().find(|(_, text)| text.starts_with("Reset:"));
-    match (there.stopped_after, told) {
+fn evaluate_injury(there: &Outcome) -> Result<(), Failure> {
+    let reset = there.texts.iter().find(|(_, text)| text.starts_with("Reset:"));
+    match (there.stopped_after, reset) {
         (Some(after), Some((_, text))) if after < 1.5e-3 => {
             say!(
                 "Motors stopped {:.1} ms after the injury; told after the reset: {text}",

@@ -14,7 +14,7 @@ use std::time::{Duration, Instant};
 use tautline_firmware::fixed::saturation;
 use tautline_firmware::param::Params;
 
-/// Network and pace are looked at every so many simulated milliseconds.
+/// Network and pace are served every so many simulated milliseconds.
 const CHUNK_MS: u64 = 4;
 
 /// Options of a flight.
@@ -236,7 +236,7 @@ fn simulate(
     let mut status = StatusLine::new();
     let limit = options.duration.unwrap_or(f64::INFINITY);
     let began = Instant::now();
-    let mut told = 0;
+    let mut printed = 0;
     while !stop.load(Ordering::Relaxed)
         && flight.world.time() < limit
         && !(has_mission && flight.is_over())
@@ -258,10 +258,10 @@ fn simulate(
                 }
             }));
         }
-        for (time, event) in flight.events.iter().skip(told) {
-            status.say(&format!("{time:7.1} s  {}", event.text));
+        for (time, event) in flight.events.iter().skip(printed) {
+            status.print(&format!("{time:7.1} s  {}", event.text));
         }
-        told = flight.events.len();
+        printed = flight.events.len();
         if let (false, Some(out)) = (options.headless, &last) {
             status.show(&flight.world, out);
         }

@@ -53,7 +53,7 @@ impl StatusLine {
     }
 
     /// A message of its own line.
-    pub fn say(&mut self, message: &str) {
+    pub fn print(&mut self, message: &str) {
         self.close();
         say!("{message}");
     }

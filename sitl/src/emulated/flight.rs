@@ -22,7 +22,7 @@ use tautline_firmware::supervisor::{MODES, Mode};
 const EPILOGUE: f64 = 2.0;
 /// Bytes that go into the console port in a millisecond.
 const CONSOLE: usize = 300;
-/// System id of the winch that speaks.
+/// System id of the winch.
 const WINCH: u32 = 20;
 /// Of the ground station.
 const GROUND: u32 = 255;
@@ -43,7 +43,7 @@ pub struct Plan<'a> {
     pub seed: u64,
     /// Simulated seconds at most.
     pub limit: f64,
-    /// Suffer this at that time, s.
+    /// What to inject, and when, s.
     pub injury: Option<(f64, Injury)>,
     /// Where USART1 goes; a real client wants real time.
     pub telemetry: Telemetry,
@@ -64,7 +64,7 @@ pub struct Outcome {
     pub estimate_rms: Option<f64>,
     /// Instructions, stack, lost outputs.
     pub counts: Counts,
-    /// What STATUSTEXT said on the console port, with times, s.
+    /// STATUSTEXT messages on the console port, with times, s.
     pub texts: Vec<(f64, String)>,
     /// From the injury to the first stop pulses, s.
     pub stopped_after: Option<f64>,
@@ -96,7 +96,7 @@ struct Host<'a> {
     out: Outcome,
 }
 
-/// Flies.
+/// Flies the plan.
 ///
 /// # Errors
 /// When QEMU, its image or a file fails; a mission that fails is an [`Outcome`].
@@ -105,7 +105,7 @@ pub fn fly(plan: &Plan) -> io::Result<Outcome> {
     let (qemu, mut pipe) = Qemu::start(plan.image, plan.folder, plan.telemetry, !is_real_time)?;
     let mut host = Host::new(plan)?;
     loop {
-        let message = pipe.ask()?;
+        let message = pipe.receive()?;
         let ask = decode(&message)?;
         if host.devices.serve(&ask, &mut pipe)? {
             if matches!(ask, Ask::Motors(_)) {
@@ -114,9 +114,9 @@ pub fn fly(plan: &Plan) -> io::Result<Outcome> {
             continue;
         }
         match ask {
-            Ask::Console(bytes) => host.hear(bytes),
+            Ask::Console(bytes) => host.receive_console(bytes),
             Ask::Log(bytes) => host.out.log.extend_from_slice(bytes),
-            Ask::Status(status) => host.see(&status),
+            Ask::Status(status) => host.update(&status),
             Ask::Counts(counts) => host.out.counts = counts,
             Ask::Advance if host.is_over() => {
                 pipe.reply(&Reply::End)?;
@@ -132,7 +132,7 @@ pub fn fly(plan: &Plan) -> io::Result<Outcome> {
         }
     }
     // The last counts.
-    while let Ok(message) = pipe.ask() {
+    while let Ok(message) = pipe.receive() {
         if let Ask::Counts(counts) = decode(&message)? {
             host.out.counts = counts;
         }
@@ -222,17 +222,17 @@ impl<'a> Host<'a> {
         let Devices { environment, escs, .. } = &mut self.devices;
         environment.advance(escs, f64::from(self.status.winch_tension));
         environment.expose();
-        let heard = &mut self.console;
-        environment.publish_capture(&mut |frame| heard.extend_from_slice(frame));
+        let console = &mut self.console;
+        environment.publish_capture(&mut |frame| console.extend_from_slice(frame));
         if let Some(length) = environment.sensors.winch() {
             let status = WINCH_STATUS_DATA {
                 line_length: length.length_mm as f32 * 1e-3,
                 ..WINCH_STATUS_DATA::default()
             };
-            heard.extend_from_slice(&self.winch.frame(&status));
+            console.extend_from_slice(&self.winch.frame(&status));
         }
         if environment.is_active(FaultKind::LinkLost) {
-            heard.clear();
+            console.clear();
         }
         let is_ready = !environment.is_active(FaultKind::ImuSilent);
         let time = environment.time();
@@ -260,8 +260,8 @@ impl<'a> Host<'a> {
         }
     }
 
-    /// A ground station goes on listening when its mission has failed or ended.
-    fn keep_listening(&mut self) {
+    /// A ground station keeps its link when its mission has failed or ended.
+    fn keep_link(&mut self) {
         if *self.mission.progress() != Progress::Flying && self.steps.is_multiple_of(HEARTBEAT_MS) {
             let heartbeat =
                 HEARTBEAT_DATA { mavtype: MavType::MAV_TYPE_GCS, ..HEARTBEAT_DATA::default() };
@@ -269,10 +269,10 @@ impl<'a> Host<'a> {
         }
     }
 
-    /// After a step.
-    fn see(&mut self, status: &Status) {
+    /// Takes the status of the board's step: mission, figures, hands.
+    fn update(&mut self, status: &Status) {
         self.status = *status;
-        self.keep_listening();
+        self.keep_link();
         let time = self.time();
         let plant = &self.devices.environment.plant;
         self.out.top = self.out.top.max(plant.body.height());
@@ -295,7 +295,7 @@ impl<'a> Host<'a> {
         environment.release_rod(mode.map_or(Mode::TetherHold, |rule| rule.mode));
     }
 
-    fn hear(&mut self, bytes: &[u8]) {
+    fn receive_console(&mut self, bytes: &[u8]) {
         for &byte in bytes {
             let mut next = self.parser.push(byte);
             while let Some(frame) = next {
