@@ -14,7 +14,7 @@ use tautline_firmware::signal::PlanarReference;
 use tautline_firmware::signal::{Action, Outcome, Request, Ticket};
 use tautline_firmware::supervisor::{GroundState, Mode};
 use tautline_firmware::vehicle::StepInput;
-use tautline_sitl::experiment::{Ask, find};
+use tautline_sitl::experiment::{Settings, find};
 use tautline_sitl::flight::{Flight, Progress};
 use tautline_tests::{flight, run, until};
 
@@ -49,8 +49,8 @@ fn heard(flight: &Flight<Vec<u8>>, text: &str) -> bool {
 
 #[test]
 fn one_seed_of_every_flight_row_keeps_its_limits() {
-    let ask = Ask { sets: vec![("seeds".into(), "1".into())], seed: 3 };
-    let report = (find("taut-flight").unwrap().run)(&ask).unwrap();
+    let settings = Settings { sets: vec![("seeds".into(), "1".into())], seed: 3 };
+    let report = (find("taut-flight").unwrap().run)(&settings).unwrap();
     for line in &report.lines {
         assert!(line.passes(), "{}", line.text());
     }

@@ -1,6 +1,6 @@
 //! `planar` section 11: every row beside its limits.
 
-use super::{Ask, Compare, Report, scan};
+use super::{Compare, Report, Settings, scan};
 use crate::bench::planar::{BranchChoice, PlanarScenario, Residual};
 
 /// One row; what has no limit is not judged.
@@ -125,9 +125,9 @@ fn rows() -> Vec<Row> {
 }
 
 /// Flies all rows.
-pub fn run(ask: &Ask) -> Result<Report, String> {
+pub fn run(settings: &Settings) -> Result<Report, String> {
     let rows = rows();
-    let flown = scan::summaries(ask, rows.iter().map(|r| r.scenario.clone()).collect())?;
+    let flown = scan::summaries(settings, rows.iter().map(|r| r.scenario.clone()).collect())?;
     let mut report = Report::default();
     for (row, s) in rows.iter().zip(flown) {
         let Row { name, unit, .. } = row;

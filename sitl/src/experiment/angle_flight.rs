@@ -1,7 +1,7 @@
 //! Tether Angle on the whole simulated quadrotor: `flight` section 7, twenty seeds a row.
 
 use super::flown::why_lost;
-use super::{Ask, Compare, Report};
+use super::{Compare, Report, Settings};
 use crate::campaign::parallel;
 use crate::flight::Flight;
 use crate::metrics::AngleFlightSummary;
@@ -111,8 +111,8 @@ fn scenario(row: &Row, seed: u64) -> Result<Scenario, String> {
 /// Why lost, if lost, and the figures.
 type Flown = (Option<String>, Option<AngleFlightSummary>);
 
-fn fly(row: &Row, ask: &Ask, seed: u64) -> Result<Flown, String> {
-    let s = ask.on(scenario(row, seed)?)?;
+fn fly(row: &Row, settings: &Settings, seed: u64) -> Result<Flown, String> {
+    let s = settings.on(scenario(row, seed)?)?;
     let params = s.params().map_err(|e| e.0)?;
     let mut flight = Flight::new(&s, params, seed, std::io::sink()).map_err(|e| e.0)?;
     flight.fly(LONGEST);
@@ -120,11 +120,11 @@ fn fly(row: &Row, ask: &Ask, seed: u64) -> Result<Flown, String> {
 }
 
 /// Every row over all seeds, worst beside its limit.
-pub fn run(ask: &Ask) -> Result<Report, String> {
+pub fn run(settings: &Settings) -> Result<Report, String> {
     let mut report = Report::default();
-    let seeds = ask.seeds(SEEDS)?;
+    let seeds = settings.seeds(SEEDS)?;
     for row in rows() {
-        let work = |seed: &u64| fly(&row, ask, *seed);
+        let work = |seed: &u64| fly(&row, settings, *seed);
         let flown = parallel::map(&seeds, parallel::cores(), work, |_| {});
         let (mut lost, mut worst) = (0.0, [0.0_f64; 3]);
         for (seed, outcome) in seeds.iter().zip(flown) {
@@ -151,7 +151,7 @@ pub fn run(ask: &Ask) -> Result<Report, String> {
         report.add(format!("{name}: tracking rms, deg"), tracking.to_degrees(), limit(2));
         report.add(format!("{name}: tension rms, N"), tension, Compare::Alone);
     }
-    let cells = picture(ask)?;
+    let cells = picture(settings)?;
     report.picture("angle-flight.svg", move |path| grid(path, 2, &cells));
     report.notes.push(format!(
         "Worst of {} seeds on the worse of two axes, from 4 s after the mode began; anchor walked 1 m at 0.3 \
@@ -162,8 +162,8 @@ pub fn run(ask: &Ask) -> Result<Report, String> {
 }
 
 /// One flight of the first row, from the change into the mode on: anchor and vehicle, angles, tension.
-fn picture(ask: &Ask) -> Result<Vec<grid::Cell>, String> {
-    let s = ask.on(scenario(&STEEP, 3)?)?;
+fn picture(settings: &Settings) -> Result<Vec<grid::Cell>, String> {
+    let s = settings.on(scenario(&STEEP, 3)?)?;
     let params = s.params().map_err(|e| e.0)?;
     let mut flight = Flight::new(&s, params, 3, std::io::sink()).map_err(|e| e.0)?;
     let mut began = None;

@@ -1,7 +1,7 @@
 //! `planar` section 10: what still flies, and how badly. Ours beside the reference's, within 20 %.
 
 use super::journal::{single, with_error};
-use super::{Ask, Compare, Report, scan};
+use super::{Compare, Report, Settings, scan};
 use crate::bench::planar::{LawKind, PlanarScenario};
 use crate::campaign::parallel;
 
@@ -14,15 +14,15 @@ fn near(value: f64, rounding: f64) -> Compare {
 }
 
 /// Runs every table.
-pub fn run(ask: &Ask) -> Result<Report, String> {
+pub fn run(settings: &Settings) -> Result<Report, String> {
     let mut report = Report::default();
-    mass_errors(ask, &mut report)?;
-    single_errors(ask, &mut report)?;
-    general(ask, &mut report)?;
-    offsets(ask, &mut report)?;
-    motors(ask, &mut report)?;
-    noise(ask, &mut report)?;
-    limits(ask, &mut report)?;
+    mass_errors(settings, &mut report)?;
+    single_errors(settings, &mut report)?;
+    general(settings, &mut report)?;
+    offsets(settings, &mut report)?;
+    motors(settings, &mut report)?;
+    noise(settings, &mut report)?;
+    limits(settings, &mut report)?;
     report.notes.push("inf: lost.".into());
     Ok(report)
 }
@@ -33,11 +33,11 @@ fn name(law: LawKind) -> &'static str {
 
 /// The article's mean error of each scenario, infinite where lost.
 fn article_errors(
-    ask: &Ask,
+    settings: &Settings,
     report: &mut Report,
     cases: Vec<(String, PlanarScenario, f64)>,
 ) -> Result<(), String> {
-    let flown = scan::summaries(ask, cases.iter().map(|(_, s, _)| s.clone()).collect())?;
+    let flown = scan::summaries(settings, cases.iter().map(|(_, s, _)| s.clone()).collect())?;
     for ((title, _, expected), s) in cases.into_iter().zip(flown) {
         let ours = if s.is_lost() { LOST } else { s.article[0].mean() };
         let compare = if expected == LOST {
@@ -50,7 +50,7 @@ fn article_errors(
     Ok(())
 }
 
-fn mass_errors(ask: &Ask, report: &mut Report) -> Result<(), String> {
+fn mass_errors(settings: &Settings, report: &mut Report) -> Result<(), String> {
     const ERRORS: [f64; 6] = [-15.0, -10.0, -5.0, 5.0, 10.0, 15.0];
     let (force, attitude) = (LawKind::Force, LawKind::Attitude);
     let table = [
@@ -69,10 +69,10 @@ fn mass_errors(ask: &Ask, report: &mut Report) -> Result<(), String> {
             cases.push((title, s, expected));
         }
     }
-    article_errors(ask, report, cases)
+    article_errors(settings, report, cases)
 }
 
-fn single_errors(ask: &Ask, report: &mut Report) -> Result<(), String> {
+fn single_errors(settings: &Settings, report: &mut Report) -> Result<(), String> {
     let (force, attitude) = (LawKind::Force, LawKind::Attitude);
     let table = [
         (force, 7.0, 1, -0.3, 0.022),
@@ -99,10 +99,10 @@ fn single_errors(ask: &Ask, report: &mut Report) -> Result<(), String> {
             (title, s, expected)
         })
         .collect();
-    article_errors(ask, report, cases)
+    article_errors(settings, report, cases)
 }
 
-fn general(ask: &Ask, report: &mut Report) -> Result<(), String> {
+fn general(settings: &Settings, report: &mut Report) -> Result<(), String> {
     let table = [
         (5.0, 1.0, 0.009),
         (5.0, 5.0, 0.048),
@@ -120,11 +120,11 @@ fn general(ask: &Ask, report: &mut Report) -> Result<(), String> {
             (format!("Γb T{duration}, link mass {share} %"), s, expected)
         })
         .collect();
-    article_errors(ask, report, cases)
+    article_errors(settings, report, cases)
 }
 
 /// Steady elevation error, degrees.
-fn offsets(ask: &Ask, report: &mut Report) -> Result<(), String> {
+fn offsets(settings: &Settings, report: &mut Report) -> Result<(), String> {
     let table = [
         ([0.0, -0.10], 21.0),
         ([0.0, -0.03], 9.7),
@@ -146,7 +146,7 @@ fn offsets(ask: &Ask, report: &mut Report) -> Result<(), String> {
             s
         })
         .collect();
-    for ((attachment, expected), s) in table.iter().zip(scan::summaries(ask, scenarios)?) {
+    for ((attachment, expected), s) in table.iter().zip(scan::summaries(settings, scenarios)?) {
         let [x, z] = attachment;
         let ours = if s.is_lost() { LOST } else { s.max_last[0].to_degrees() };
         let compare = if *expected == LOST {
@@ -163,7 +163,7 @@ fn offsets(ask: &Ask, report: &mut Report) -> Result<(), String> {
     Ok(())
 }
 
-fn motors(ask: &Ask, report: &mut Report) -> Result<(), String> {
+fn motors(settings: &Settings, report: &mut Report) -> Result<(), String> {
     let told = |law, duration, lag: f64, is_told: bool| {
         let mut s = single(law, duration);
         s.plant.motor_lag = lag;
@@ -183,7 +183,7 @@ fn motors(ask: &Ask, report: &mut Report) -> Result<(), String> {
     cases.push(("Γa' T5, motors 0.04 s".into(), told(attitude, 5.0, 0.04, false), LOST));
     cases.push(("Γa' T5, motors 0.08 s, told".into(), told(attitude, 5.0, 0.08, true), 0.025));
     cases.push(("Γa' T5, motors 0.15 s, told".into(), told(attitude, 5.0, 0.15, true), 0.048));
-    article_errors(ask, report, cases)?;
+    article_errors(settings, report, cases)?;
 
     let conference = |lag: f64, is_told: bool| {
         let mut s = PlanarScenario::conference();
@@ -194,7 +194,7 @@ fn motors(ask: &Ask, report: &mut Report) -> Result<(), String> {
         s
     };
     let flown = scan::summaries(
-        ask,
+        settings,
         vec![conference(0.01, false), conference(0.08, true), conference(0.15, true)],
     )?;
     let [short, told, long] = flown.as_slice() else { return Ok(()) };
@@ -221,7 +221,7 @@ fn motors(ask: &Ask, report: &mut Report) -> Result<(), String> {
 }
 
 /// Five seeds; the reference's random numbers are others, so a factor of two is agreement.
-fn noise(ask: &Ask, report: &mut Report) -> Result<(), String> {
+fn noise(settings: &Settings, report: &mut Report) -> Result<(), String> {
     let table = [
         (LawKind::Force, 0.3, 1000.0, [3.0, 5.0], LOST),
         (LawKind::Force, 0.5, 1000.0, [3.0, 5.0], 0.034),
@@ -247,12 +247,13 @@ fn noise(ask: &Ask, report: &mut Report) -> Result<(), String> {
         }
         s.noise.accel_variance = 0.1;
         s.noise.gyro_variance = 0.01;
-        let seeds: Vec<Ask> =
-            (0..5).map(|k| Ask { seed: ask.seed + k, sets: ask.sets.clone() }).collect();
+        let seeds: Vec<Settings> = (0..5)
+            .map(|k| Settings { seed: settings.seed + k, sets: settings.sets.clone() })
+            .collect();
         let flown = parallel::map(
             &seeds,
             parallel::cores(),
-            |ask| scan::summaries(ask, vec![s.clone()]),
+            |settings| scan::summaries(settings, vec![s.clone()]),
             |_| {},
         );
         let mut sum = 0.0;
@@ -396,7 +397,7 @@ fn limit_rows() -> Vec<Limit> {
     ]
 }
 
-fn limits(ask: &Ask, report: &mut Report) -> Result<(), String> {
+fn limits(settings: &Settings, report: &mut Report) -> Result<(), String> {
     let rows = limit_rows();
     let cases: Vec<(&Limit, f64, f64)> = rows
         .iter()
@@ -408,7 +409,7 @@ fn limits(ask: &Ask, report: &mut Report) -> Result<(), String> {
         &cases,
         parallel::cores(),
         |(row, duration, _)| {
-            scan::limit(ask, row.step, row.end, |x| {
+            scan::limit(settings, row.step, row.end, |x| {
                 let mut s = (row.base)(*duration);
                 (row.change)(&mut s, x);
                 s

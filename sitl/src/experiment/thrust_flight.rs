@@ -3,7 +3,7 @@
 
 use super::angle_flight::{BASE, LONGEST};
 use super::flown::why_lost;
-use super::{Ask, Compare, Report};
+use super::{Compare, Report, Settings};
 use crate::campaign::parallel;
 use crate::flight::Flight;
 use crate::scenario::{Scenario, Step, TetherKind, set_param};
@@ -32,8 +32,8 @@ fn vehicle() -> Result<Scenario, String> {
 }
 
 /// Shakes it without a tether and identifies from the log.
-fn identify(ask: &Ask, seed: u64) -> Result<ThrustFit, String> {
-    let mut s = ask.on(vehicle()?)?;
+fn identify(settings: &Settings, seed: u64) -> Result<ThrustFit, String> {
+    let mut s = settings.on(vehicle()?)?;
     s.tether.kind = TetherKind::None;
     s.mission = vec![
         Step::Altitude,
@@ -54,8 +54,8 @@ fn identify(ask: &Ask, seed: u64) -> Result<ThrustFit, String> {
 }
 
 /// Tether Angle at 30 deg: mean thrust error, estimate and tracking rms, rad.
-fn fly(ask: &Ask, seed: u64, known: Option<&ThrustFit>) -> Result<[f64; 3], String> {
-    let s = ask.on(vehicle()?)?;
+fn fly(settings: &Settings, seed: u64, known: Option<&ThrustFit>) -> Result<[f64; 3], String> {
+    let s = settings.on(vehicle()?)?;
     let mut params = s.params().map_err(|e| e.0)?;
     for (name, value) in known.iter().flat_map(|fit| fit.parameters()) {
         set_param(&mut params, name, value as f32)?;
@@ -75,14 +75,14 @@ fn fly(ask: &Ask, seed: u64, known: Option<&ThrustFit>) -> Result<[f64; 3], Stri
 }
 
 /// Before and after.
-pub fn run(ask: &Ask) -> Result<Report, String> {
+pub fn run(settings: &Settings) -> Result<Report, String> {
     let mut report = Report::default();
-    let seeds = ask.seeds(SEEDS)?;
+    let seeds = settings.seeds(SEEDS)?;
     let truth = vehicle()?.vehicle;
     let true_max = truth.thrust_coefficient * truth.rotor_speed_max * truth.rotor_speed_max;
     let work = |seed: &u64| -> Result<_, String> {
-        let fit = identify(ask, *seed)?;
-        Ok((fit, fly(ask, *seed, None)?, fly(ask, *seed, Some(&fit))?))
+        let fit = identify(settings, *seed)?;
+        Ok((fit, fly(settings, *seed, None)?, fly(settings, *seed, Some(&fit))?))
     };
     let mut worst = [[0.0_f64; 3]; 2];
     let mut off = [0.0_f64; 3];

@@ -4,7 +4,7 @@
 use super::cases::DISTURBANCES;
 use crate::campaign::parallel;
 use crate::experiment::flown::why_lost;
-use crate::experiment::{Ask, Compare, Report};
+use crate::experiment::{Compare, Report, Settings};
 use crate::flight::Flight;
 use crate::metrics::PendulumFlightSummary;
 use crate::plant::DisturbanceKind;
@@ -80,11 +80,11 @@ fn rows() -> Result<Vec<Row>, String> {
 }
 
 /// All rows.
-pub fn flight(ask: &Ask) -> Result<Report, String> {
+pub fn flight(settings: &Settings) -> Result<Report, String> {
     let mut report = Report::default();
-    let seeds = ask.seeds(SEEDS)?;
+    let seeds = settings.seeds(SEEDS)?;
     for row in rows()? {
-        let s = ask.on(row.scenario)?;
+        let s = settings.on(row.scenario)?;
         let work = |seed: &u64| fly(&s, *seed);
         let flown = parallel::map(&seeds, parallel::cores(), work, |_| {});
         let (mut lost, mut worst, mut sum) = (0.0, [0.0_f64; 3], 0.0);
@@ -118,15 +118,15 @@ pub fn flight(ask: &Ask) -> Result<Report, String> {
          mrad on the rod, one sample in a hundred lost; thrust known to 2 %, each rotor to 1 %."
             .into(),
     );
-    draw(&mut report, ask)?;
+    draw(&mut report, settings)?;
     Ok(report)
 }
 
 /// One stochastic flight from the change of mode on.
-fn draw(report: &mut Report, ask: &Ask) -> Result<(), String> {
-    let s = ask.on(base(DisturbanceKind::Stochastic)?)?;
+fn draw(report: &mut Report, settings: &Settings) -> Result<(), String> {
+    let s = settings.on(base(DisturbanceKind::Stochastic)?)?;
     let params = s.params().map_err(|e| e.0)?;
-    let seed = ask.seed.max(1);
+    let seed = settings.seed.max(1);
     let mut flight = Flight::new(&s, params, seed, std::io::sink()).map_err(|e| e.0)?;
     let mut began = None;
     let mut series: [Points; 8] = Default::default();

@@ -2,7 +2,7 @@
 
 use crate::bench::tether_angle::{Sensitivity, Setting, sensitivity};
 use crate::campaign::parallel;
-use crate::experiment::{Ask, Compare, Report};
+use crate::experiment::{Compare, Report, Settings};
 use crate::report::chart::{ESTIMATE, Line, Panel, Points, SETPOINT, THIRD, TRUTH};
 use crate::report::grid::grid;
 
@@ -36,11 +36,11 @@ fn over_angle(base: Setting) -> Vec<Setting> {
 }
 
 /// Figs. 3 to 5 and the specification's Monte-Carlo table.
-pub fn sensitivities(ask: &Ask) -> Result<Report, String> {
-    ask.no_settings()?;
+pub fn sensitivities(settings: &Settings) -> Result<Report, String> {
+    settings.no_settings()?;
     let mut report = Report::default();
-    monte_carlo(&mut report, ask.seed)?;
-    let seed = ask.seed;
+    monte_carlo(&mut report, settings.seed)?;
+    let seed = settings.seed;
     let at = |deg: f64, s: Setting| -> Result<Sensitivity, String> {
         sensitivity(&Setting { angle: deg.to_radians(), noise: 0.0, ..s }, 1, seed)
     };
@@ -85,7 +85,7 @@ pub fn sensitivities(ask: &Ask) -> Result<Report, String> {
         none.valid,
         Compare::Refuted("no usable observation near 0 deg with a thrust mismatch"),
     );
-    pictures(&mut report, ask.seed)?;
+    pictures(&mut report, settings.seed)?;
     report.notes.push(
         "The article leaves the tension at its nominal value when the thrust is wrong; recomputed, the \
          mismatch cancels exactly at 0 deg."
