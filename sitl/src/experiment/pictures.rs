@@ -62,7 +62,7 @@ pub fn tracking(series: &TimeSeries, path: &Path) -> Drawn {
         lines
     };
     let degrees = |row: &Row| row.state[0].to_degrees();
-    let wanted = |row: &Row| row.elevation_wanted.to_degrees();
+    let wanted = |row: &Row| row.elevation_reference.to_degrees();
     let below = SeriesLabelPosition::LowerRight;
     draw(
         elevation,
@@ -73,7 +73,7 @@ pub fn tracking(series: &TimeSeries, path: &Path) -> Drawn {
     draw(
         output,
         &Panel::new(name, "time, s", unit).legend(below.clone()),
-        &lines(&|row| second_of(law, row), Some(&|row| row.second_wanted * scale)),
+        &lines(&|row| second_of(law, row), Some(&|row| row.second_reference * scale)),
     )?;
     draw(thrust, &Panel::new("Thrust", "time, s", "N").legend(below), &lines(&|r| r.thrust, None))?;
     draw(torque, &Panel::new("Torque", "time, s", "N m"), &lines(&|r| r.torque, None))?;
@@ -178,13 +178,13 @@ pub fn noisy(traces: &[Trace], path: &Path) -> Drawn {
         &three(
             &|r| degrees(r.state[0]),
             &|r| degrees(r.estimate[0]),
-            Some(&|r| degrees(r.elevation_wanted)),
+            Some(&|r| degrees(r.elevation_reference)),
         ),
     )?;
     draw(
         force,
         &caption("Link force", "N"),
-        &three(&|r| r.link_force, &|r| r.link_force_estimate, Some(&|r| r.second_wanted)),
+        &three(&|r| r.link_force, &|r| r.link_force_estimate, Some(&|r| r.second_reference)),
     )?;
     draw(
         pitch,
@@ -198,7 +198,7 @@ pub fn noisy(traces: &[Trace], path: &Path) -> Drawn {
     )?;
     let errors = [
         Line::new("elevation, deg", SETPOINT, over(trace, |r| degrees(r.elevation_error()))),
-        Line::new("link force, N", ESTIMATE, over(trace, |r| r.second_wanted - r.link_force)),
+        Line::new("link force, N", ESTIMATE, over(trace, |r| r.second_reference - r.link_force)),
     ];
     draw(error, &caption("Tracking errors", "deg, N"), &errors)?;
     let inputs = [

@@ -106,9 +106,9 @@ impl Errors {
     pub fn add(&mut self, row: &Row, is_force: bool) {
         let e1 = row.elevation_error().abs();
         let e2 = if is_force {
-            (row.second_wanted - row.link_force).abs()
+            (row.second_reference - row.link_force).abs()
         } else {
-            wrap_pi(row.second_wanted - row.state[2]).abs()
+            wrap_pi(row.second_reference - row.state[2]).abs()
         };
         self.first.add(e1);
         self.second.add(e2);
@@ -132,8 +132,8 @@ impl Errors {
         s.thrust = [s.thrust[0].min(row.thrust), s.thrust[1].max(row.thrust)];
         s.torque_max = s.torque_max.max(row.torque.abs());
         s.link_force = [s.link_force[0].min(row.link_force), s.link_force[1].max(row.link_force)];
-        let relative = e1 / row.elevation_wanted.abs().max(REFERENCE_FLOOR)
-            + e2 / row.second_wanted.abs().max(REFERENCE_FLOOR);
+        let relative = e1 / row.elevation_reference.abs().max(REFERENCE_FLOOR)
+            + e2 / row.second_reference.abs().max(REFERENCE_FLOOR);
         let phase = usize::from(row.time >= self.step[0]) + usize::from(row.time >= self.step[1]);
         let [whole, phases @ ..] = &mut s.article;
         whole.add(relative);

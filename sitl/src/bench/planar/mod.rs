@@ -1,8 +1,8 @@
 //! The planar world of the articles: a vehicle on a rigid link in a vertical plane, with its own
 //! equations of motion, flown by the core's observer and controllers.
 
+mod controller;
 mod metrics;
-mod pilot;
 mod plant;
 mod run;
 mod scenario;

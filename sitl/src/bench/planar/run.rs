@@ -1,8 +1,8 @@
 //! Closed loop: plant, sensors with noise, the core's observer and controller.
 
 use super::PlanarPlant;
+use super::controller::{Controller, Plan, flat_start, models};
 use super::metrics::{Errors, PlanarSummary};
-use super::pilot::{Pilot, Plan, flat_start, models};
 use super::scenario::{Feedback, LawKind, PlanarScenario};
 use crate::plant::{generator, normal};
 use tautline_firmware::control::taut::{PlanarInput, PlanarLoop, PlanarLoopState};
@@ -26,10 +26,10 @@ pub struct Row {
     pub link_force: f64,
     /// Estimated, N.
     pub link_force_estimate: f64,
-    /// Elevation wanted, rad.
-    pub elevation_wanted: f64,
-    /// Pitch wanted, rad, or link force, N.
-    pub second_wanted: f64,
+    /// Elevation of the reference, rad.
+    pub elevation_reference: f64,
+    /// Of the reference: pitch, rad, or link force, N.
+    pub second_reference: f64,
     /// Residuals of both branches, m/s².
     pub residuals: [f64; 2],
     /// Selected branch, 0 or 1.
@@ -51,15 +51,15 @@ pub struct Trace {
 /// One line naming the setting.
 pub fn fly(s: &PlanarScenario, seed: u64) -> Result<Trace, String> {
     check(s)?;
-    let [real, believed] = models(s).map_err(|e| format!("plant or model_error: {e}"))?;
+    let [real, nominal] = models(s).map_err(|e| format!("plant or model_error: {e}"))?;
     let plan = Plan::new(s).map_err(|e| format!("reference.{e}"))?;
-    let pilot = Pilot::new(s, believed)?;
+    let controller = Controller::new(s, nominal)?;
     let begin = plan.at(0.0);
     let mut start = flat_start(s, &real, &begin)?.state.to_array();
     for (x, offset) in start.iter_mut().zip(s.start.state_offset) {
         *x += offset;
     }
-    let first_thrust = flat_start(s, &believed, &begin)?.thrust;
+    let first_thrust = flat_start(s, &nominal, &begin)?.thrust;
     let mut plant = PlanarPlant::new(s.plant.clone(), start, first_thrust);
     let mut rng = generator(seed, 20);
     let (accel_sd, gyro_sd) = (s.noise.accel_variance.sqrt(), s.noise.gyro_variance.sqrt());
@@ -72,12 +72,12 @@ pub fn fly(s: &PlanarScenario, seed: u64) -> Result<Trace, String> {
     for k in 0..=steps {
         let time = k as f64 * dt;
         let mut noise = |sd: f64| if sd > 0.0 { normal(&mut rng) * sd } else { 0.0 };
-        let seen = plant.readings();
-        let [ax, az] = seen.accel;
+        let readings = plant.readings();
+        let [ax, az] = readings.accel;
         let imu = PlanarImu {
             x: ax + noise(accel_sd),
             z: az + noise(accel_sd),
-            rate: seen.rate + noise(gyro_sd),
+            rate: readings.rate + noise(gyro_sd),
         };
         let reference = plan.at(time);
         let [second, ..] = reference.second;
@@ -88,17 +88,17 @@ pub fn fly(s: &PlanarScenario, seed: u64) -> Result<Trace, String> {
             estimate: plant.state,
             thrust: 0.0,
             torque: 0.0,
-            link_force: seen.link_force,
-            link_force_estimate: seen.link_force,
-            elevation_wanted: elevation,
-            second_wanted: second,
+            link_force: readings.link_force,
+            link_force_estimate: readings.link_force,
+            elevation_reference: elevation,
+            second_reference: second,
             residuals: [0.0; 2],
             selected: 0,
         };
-        match &pilot {
-            Pilot::Loop(planar) => {
+        match &controller {
+            Controller::Loop(planar) => {
                 // A start is the mean of many samples at rest, so the noise of one is not in it.
-                let rest = PlanarImu { x: ax, z: az, rate: seen.rate };
+                let rest = PlanarImu { x: ax, z: az, rate: readings.rate };
                 let mut now = state.unwrap_or_else(|| begin_loop(planar, s, &rest, first_thrust));
                 let truth =
                     (s.feedback == Feedback::State).then(|| PlanarState::from_array(plant.state));
@@ -110,13 +110,13 @@ pub fn fly(s: &PlanarScenario, seed: u64) -> Result<Trace, String> {
                 let estimate = now.observer().estimate();
                 let [a, b] = now.observer().branches();
                 row.estimate = estimate.state.to_array();
-                row.link_force_estimate = estimate.specific_link_force * believed.mass();
+                row.link_force_estimate = estimate.specific_link_force * nominal.mass();
                 row.residuals = [a.error, b.error];
                 row.selected = estimate.branch as u8;
                 (row.thrust, row.torque) = (command.thrust, command.torque);
                 state = Some(now);
             }
-            Pilot::Static(law) => {
+            Controller::Static(law) => {
                 let [phi, phi1, phi2, ..] = reference.elevation;
                 let x = PlanarState::from_array(plant.state);
                 let Ok((thrust, torque)) = law.step(&x, &[phi, phi1, phi2], &reference.second)
@@ -148,7 +148,7 @@ fn begin_loop(
     planar.start_from(observer, thrust)
 }
 
-/// What the core's own checks do not see.
+/// What the core's own checks leave open.
 fn check(s: &PlanarScenario) -> Result<(), String> {
     let r = &s.reference;
     let ranges = [
@@ -180,6 +180,6 @@ impl Row {
     /// Elevation error, rad, wrapped.
     #[must_use]
     pub fn elevation_error(&self) -> f64 {
-        wrap_pi(self.elevation_wanted - self.state[0])
+        wrap_pi(self.elevation_reference - self.state[0])
     }
 }

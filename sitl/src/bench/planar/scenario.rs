@@ -141,7 +141,7 @@ impl Default for PlanarScenario {
     }
 }
 
-/// `[model_error]`: believed = (1 + error) · real.
+/// `[model_error]`: nominal = (1 + error) · real.
 #[derive(Clone, Debug, Default, Deserialize, Serialize, PartialEq)]
 #[serde(default, deny_unknown_fields)]
 pub struct ModelErrorSection {

@@ -17,7 +17,7 @@ use tautline_firmware::signal::PlanarReference;
 use tautline_firmware::trajectory::{FlatPoint, SmoothMove, Smoothness, ThrustBranch};
 
 /// What flies.
-pub(super) enum Pilot {
+pub(super) enum Controller {
     /// Γa' or Γb with the observer.
     Loop(Box<PlanarLoop<f64>>),
     /// Γa on the true state.
@@ -60,17 +60,17 @@ impl Plan {
     }
 }
 
-/// Real and believed model.
+/// Real and nominal model.
 pub(super) fn models(s: &PlanarScenario) -> Result<[PlanarModel<f64>; 2], Invalid> {
     let (p, e) = (&s.plant, &s.model_error);
     let real = PlanarModel::try_new(p.mass, p.inertia, p.length, p.gravity)?;
-    let believed = PlanarModel::try_new(
+    let nominal = PlanarModel::try_new(
         p.mass * (1.0 + e.mass),
         p.inertia * (1.0 + e.inertia),
         p.length * (1.0 + e.length),
         p.gravity,
     )?;
-    Ok([real, believed])
+    Ok([real, nominal])
 }
 
 /// State and inputs that the start of the plan requires.
@@ -154,7 +154,7 @@ fn exactly<const N: usize>(poles: &[f64]) -> Result<[f64; N], String> {
     })
 }
 
-impl Pilot {
+impl Controller {
     pub fn new(s: &PlanarScenario, model: PlanarModel<f64>) -> Result<Self, String> {
         let c = &s.controller;
         let inversion = match c.inversion {
