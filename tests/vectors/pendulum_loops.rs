@@ -135,7 +135,7 @@ fn run(c: &Value) -> PendulumRun<f64> {
             vertical: (num(o, "e1_wn") > 0.0)
                 .then(|| VerticalDisturbance { bandwidth: num(o, "e1_wn") }),
         },
-        belief: Some(belief),
+        initial: Some(belief),
         law,
         circle: TiltedCircle::article(num(o, "speed")),
         is_hovering: num(o, "hover") != 0.0,

@@ -1,4 +1,4 @@
-//! Monte-Carlo: the same scenario over many seeds, judged against limits.
+//! Monte-Carlo: the same scenario over many seeds, checked against limits.
 
 pub mod parallel;
 
@@ -90,7 +90,7 @@ impl Campaign {
         (0..self.seeds).filter(|i| i % count == index - 1).map(|i| self.first_seed + i).collect()
     }
 
-    /// Flies the seeds on `jobs` threads; `each` hears of every flight as it ends.
+    /// Flies the seeds on `jobs` threads; `each` is called with every flight as it ends.
     pub fn run(
         &self,
         scenario: &Scenario,
@@ -102,7 +102,7 @@ impl Campaign {
     }
 }
 
-/// One flight, judged.
+/// One flight, checked.
 #[must_use]
 pub fn fly(scenario: &Scenario, seed: u64, limits: &Limits) -> Outcome {
     let flight =

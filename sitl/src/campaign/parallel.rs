@@ -3,7 +3,7 @@
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc;
 
-/// Runs `work` on every item on `jobs` threads; `each` hears of every result as it ends.
+/// Runs `work` on every item on `jobs` threads; `each` is called with every result as it ends.
 pub fn map<T: Sync, R: Send>(
     items: &[T],
     jobs: usize,

@@ -16,7 +16,7 @@ use tautline_firmware::frames::World;
 pub const BASE: &str = include_str!("../../scenarios/angle.toml");
 /// Flights of a row.
 const SEEDS: u64 = 20;
-/// How far the vehicle is from the set-point at the start, the nose from its believed heading, and the
+/// How far the vehicle is from the set-point at the start, the nose from its assumed heading, and the
 /// thrust scale from the truth: deg, deg, 1.
 const START: f64 = 5.0;
 const HEADING: f64 = 2.0;
@@ -37,7 +37,7 @@ struct Row {
     angle: f64,
     /// Over mass, m/s².
     thrust: f32,
-    /// Error of the believed thrust; `None`: 1 % of either sign.
+    /// Error of the assumed thrust; `None`: 1 % of either sign.
     error: Option<f64>,
     heading: f64,
     gust: f64,
@@ -175,18 +175,18 @@ fn picture(settings: &Settings) -> Result<Vec<grid::Cell>, String> {
         let time = now - *began.get_or_insert(now);
         let plant = &flight.world.environment.plant;
         let [north, west] = plane_angles(&World(plant.end())).map(f64::to_degrees);
-        let [seen_north, seen_west] = angle.angles().map(|x| f64::from(x).to_degrees());
-        let wanted = plane_angles(&World(reference.position.0.map(f64::from)));
-        let [wanted_north, wanted_west] = wanted.map(f64::to_degrees);
+        let [estimate_north, estimate_west] = angle.angles().map(|x| f64::from(x).to_degrees());
+        let setpoint = plane_angles(&World(reference.position.0.map(f64::from)));
+        let [reference_north, reference_west] = setpoint.map(f64::to_degrees);
         let values = [
             plant.anchor.position.x,
             plant.body.position.x,
-            wanted_north,
+            reference_north,
             north,
-            seen_north,
-            wanted_west,
+            estimate_north,
+            reference_west,
             west,
-            seen_west,
+            estimate_west,
             plant.tether.tension,
             f64::from(angle.tension),
         ];
@@ -194,12 +194,13 @@ fn picture(settings: &Settings) -> Result<Vec<grid::Cell>, String> {
             points.push((time, value));
         }
     }
-    let [anchor, body, wn, north, sn, ww, west, sw, tension, seen] = series;
-    let angles = |title: &'static str, wanted, truth, seen| {
+    let [anchor, body, ref_north, north, est_north, ref_west, west, est_west, tension, estimate] =
+        series;
+    let angles = |title: &'static str, setpoint, truth, estimate| {
         let lines = vec![
             Line::new("true", TRUTH, truth),
-            Line::new("estimated", ESTIMATE, seen),
-            Line::new("asked", SETPOINT, wanted).dashed(),
+            Line::new("estimated", ESTIMATE, estimate),
+            Line::new("asked", SETPOINT, setpoint).dashed(),
         ];
         (Panel::new(title, "time, s", "deg"), lines)
     };
@@ -209,11 +210,11 @@ fn picture(settings: &Settings) -> Result<Vec<grid::Cell>, String> {
                 .legend(SeriesLabelPosition::MiddleRight),
             vec![Line::new("vehicle", TRUTH, body), Line::new("anchor", THIRD, anchor)],
         ),
-        angles("Tether angle in the plane of north", wn, north, sn),
-        angles("in the plane of west", ww, west, sw),
+        angles("Tether angle in the plane of north", ref_north, north, est_north),
+        angles("in the plane of west", ref_west, west, est_west),
         (
             Panel::new("Tension", "time, s", "N"),
-            vec![Line::new("true", TRUTH, tension), Line::new("estimated", ESTIMATE, seen)],
+            vec![Line::new("true", TRUTH, tension), Line::new("estimated", ESTIMATE, estimate)],
         ),
     ])
 }

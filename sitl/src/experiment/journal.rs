@@ -27,7 +27,7 @@ fn second(law: LawKind) -> (&'static str, &'static str, &'static str) {
     }
 }
 
-/// The article shows these as lines that cannot be told from the reference: rad, and N or rad.
+/// The article shows these as lines that cannot be distinguished from the reference: rad, and N or rad.
 const EXACT: [f64; 2] = [2e-3, 0.05];
 
 /// Both controllers, three durations.
@@ -92,11 +92,11 @@ pub fn initial_errors(settings: &Settings) -> Result<Report, String> {
         s.start.state_offset = [-0.15, 0.2, 0.1, 0.3];
         s.start.observer_offset = [0.5, 0.5, 2.0];
         s.start.hold_off = 0.4;
-        let mut hasty = s.clone();
-        hasty.start.hold_off = 0.0;
-        let flown = scan::traces(settings, vec![s, hasty])?;
-        let [patient, hasty] = flown.as_slice() else { continue };
-        let p = &patient.summary;
+        let mut immediate = s.clone();
+        immediate.start.hold_off = 0.0;
+        let flown = scan::traces(settings, vec![s, immediate])?;
+        let [held_off, immediate] = flown.as_slice() else { continue };
+        let p = &held_off.summary;
         report.add(
             format!("{name}: observer converged to 0.01 rad, s"),
             p.converged_at,
@@ -115,7 +115,7 @@ pub fn initial_errors(settings: &Settings) -> Result<Report, String> {
         report.add(format!("{name}: peak link force, N"), p.link_force[1], Compare::Alone);
         report.add(
             format!("{name}: peak link force without hold-off, N"),
-            hasty.summary.link_force[1],
+            immediate.summary.link_force[1],
             Compare::Alone,
         );
         let file = if law == LawKind::Force { "initial-force.svg" } else { "initial-attitude.svg" };
@@ -379,11 +379,11 @@ pub fn motors(settings: &Settings) -> Result<Report, String> {
     let mut curves = Vec::new();
     for law in [LawKind::Force, LawKind::Attitude] {
         for duration in DURATIONS {
-            for is_told in [false, true] {
+            for is_modelled in [false, true] {
                 let scenarios = LAGS.map(|lag| {
                     let mut s = single(law, duration);
                     s.plant.motor_lag = lag;
-                    s.observer.motor_lag = if is_told { lag } else { 0.0 };
+                    s.observer.motor_lag = if is_modelled { lag } else { 0.0 };
                     s
                 });
                 let (name, ..) = second(law);
@@ -392,9 +392,9 @@ pub fn motors(settings: &Settings) -> Result<Report, String> {
                     if !s.is_lost() {
                         points.push((*lag, s.max_after_1s[0].to_degrees()));
                     }
-                    let told = if is_told { "told" } else { "not told" };
+                    let modelled = if is_modelled { "told" } else { "not told" };
                     let is_claimed = *lag <= 0.08;
-                    let expected = is_told || law == LawKind::Force && duration > 3.5;
+                    let expected = is_modelled || law == LawKind::Force && duration > 3.5;
                     let compare = match (is_claimed, expected) {
                         (false, _) => Compare::Alone,
                         (true, true) => Compare::Claim(CLAIM, !s.is_lost()),
@@ -402,12 +402,14 @@ pub fn motors(settings: &Settings) -> Result<Report, String> {
                         (true, false) => Compare::Claim(CLAIM, true),
                     };
                     report.add(
-                        format!("{name} T{duration}, {lag} s, observer {told}: elevation max, rad"),
+                        format!(
+                            "{name} T{duration}, {lag} s, observer {modelled}: elevation max, rad"
+                        ),
                         if s.is_lost() { f64::INFINITY } else { s.max_after_1s[0] },
                         compare,
                     );
                 }
-                curves.push((is_told, format!("{name} {duration} s"), points));
+                curves.push((is_modelled, format!("{name} {duration} s"), points));
             }
         }
     }

@@ -164,40 +164,40 @@ fn offsets(settings: &Settings, report: &mut Report) -> Result<(), String> {
 }
 
 fn motors(settings: &Settings, report: &mut Report) -> Result<(), String> {
-    let told = |law, duration, lag: f64, is_told: bool| {
+    let lagged = |law, duration, lag: f64, is_modelled: bool| {
         let mut s = single(law, duration);
         s.plant.motor_lag = lag;
-        s.observer.motor_lag = if is_told { lag } else { 0.0 };
+        s.observer.motor_lag = if is_modelled { lag } else { 0.0 };
         s
     };
     let (force, attitude) = (LawKind::Force, LawKind::Attitude);
     let mut cases: Vec<(String, PlanarScenario, f64)> =
         [(0.02, 0.002), (0.04, 0.004), (0.08, 0.010), (0.12, 0.023), (0.15, 0.041)]
             .into_iter()
-            .map(|(lag, e)| (format!("Γb T5, motors {lag} s"), told(force, 5.0, lag, false), e))
+            .map(|(lag, e)| (format!("Γb T5, motors {lag} s"), lagged(force, 5.0, lag, false), e))
             .collect();
-    cases.push(("Γb T3, motors 0.03 s".into(), told(force, 3.0, 0.03, false), LOST));
-    let mut strong = told(force, 3.0, 0.08, false);
+    cases.push(("Γb T3, motors 0.03 s".into(), lagged(force, 3.0, 0.03, false), LOST));
+    let mut strong = lagged(force, 3.0, 0.08, false);
     strong.reference.second = [10.0, 12.0];
     cases.push(("Γb T3, 10 to 12 N, motors 0.08 s".into(), strong, 0.019));
-    cases.push(("Γa' T5, motors 0.04 s".into(), told(attitude, 5.0, 0.04, false), LOST));
-    cases.push(("Γa' T5, motors 0.08 s, told".into(), told(attitude, 5.0, 0.08, true), 0.025));
-    cases.push(("Γa' T5, motors 0.15 s, told".into(), told(attitude, 5.0, 0.15, true), 0.048));
+    cases.push(("Γa' T5, motors 0.04 s".into(), lagged(attitude, 5.0, 0.04, false), LOST));
+    cases.push(("Γa' T5, motors 0.08 s, told".into(), lagged(attitude, 5.0, 0.08, true), 0.025));
+    cases.push(("Γa' T5, motors 0.15 s, told".into(), lagged(attitude, 5.0, 0.15, true), 0.048));
     article_errors(settings, report, cases)?;
 
-    let conference = |lag: f64, is_told: bool| {
+    let conference = |lag: f64, is_modelled: bool| {
         let mut s = PlanarScenario::conference();
         s.observer.branches = crate::bench::planar::BranchChoice::One;
         s.observer.is_above_ground = false;
         s.plant.motor_lag = lag;
-        s.observer.motor_lag = if is_told { lag } else { 0.0 };
+        s.observer.motor_lag = if is_modelled { lag } else { 0.0 };
         s
     };
     let flown = scan::summaries(
         settings,
         vec![conference(0.01, false), conference(0.08, true), conference(0.15, true)],
     )?;
-    let [short, told, long] = flown.as_slice() else { return Ok(()) };
+    let [short, medium, long] = flown.as_slice() else { return Ok(()) };
     let elevation = |s: &crate::bench::planar::PlanarSummary| {
         if s.is_lost() { LOST } else { s.max_after_1s[0] }
     };
@@ -206,12 +206,12 @@ fn motors(settings: &Settings, report: &mut Report) -> Result<(), String> {
     });
     report.add(
         "compression, motors 0.08 s, told: elevation max, rad",
-        elevation(told),
+        elevation(medium),
         near(0.049, 1e-3),
     );
     report.add(
         "compression, motors 0.08 s, told: link force max, N",
-        told.max_after_1s[1],
+        medium.max_after_1s[1],
         near(2.65, 0.01),
     );
     report.add("compression, motors 0.15 s, told: elevation max, rad", elevation(long), {
@@ -319,7 +319,7 @@ fn stiff(duration: f64) -> PlanarScenario {
     s.controller.second_poles = [-2.0, -3.0];
     s
 }
-fn told(s: &mut PlanarScenario, lag: f64) {
+fn modelled_lag(s: &mut PlanarScenario, lag: f64) {
     s.plant.motor_lag = lag;
     s.observer.motor_lag = lag;
 }
@@ -390,10 +390,10 @@ fn limit_rows() -> Vec<Limit> {
         metres("Γb rz low, poles doubled", stiff, rz, -0.3, [-0.3, -0.3, -0.3]),
         metres("Γb rz high, poles doubled", stiff, rz, 0.3, [0.285, 0.295, 0.3]),
         seconds("Γb motors", force, lag, [0.4, 0.21, 0.02]),
-        seconds("Γb motors, told", force, told, [0.4, 0.4, 0.36]),
+        seconds("Γb motors, told", force, modelled_lag, [0.4, 0.4, 0.36]),
         // Whether 0.07 and 0.08 s fly at T7 turns on the last bit: 1e-14 rad on the reference decides.
         Limit { steps: 2.0, ..seconds("Γa' motors", attitude, lag, [0.06, 0.03, 0.0]) },
-        seconds("Γa' motors, told", attitude, told, [0.4, 0.4, 0.4]),
+        seconds("Γa' motors, told", attitude, modelled_lag, [0.4, 0.4, 0.4]),
     ]
 }
 

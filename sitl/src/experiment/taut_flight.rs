@@ -31,7 +31,7 @@ struct Row {
     begin: f64,
     duration: f64,
     hold: f64,
-    /// On a bar: not judged after the crossing, s.
+    /// On a bar: not scored after the crossing, s.
     settle: f64,
     /// Peak of the gusts, m/s; steady wind from the anchor's side, m/s.
     gust: f64,

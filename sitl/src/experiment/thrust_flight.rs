@@ -1,4 +1,4 @@
-//! A vehicle whose rotors are not what its parameters say: shaken in free flight, identified from its own
+//! A vehicle whose rotors differ from its parameters: excited in free flight, identified from its own
 //! log, flown on the tether before and after.
 
 use super::angle_flight::{BASE, LONGEST};
@@ -11,9 +11,9 @@ use crate::sysid::{PwmRange, ThrustFit, fit_thrust_map, read_log};
 use tautline_firmware::param::Params;
 use tautline_firmware::supervisor::Mode;
 
-/// What the parameters say too much of the thrust, and of its curve: the true one is 1.
-const THRUST_BELIEVED: f64 = 1.06;
-const FACTOR_BELIEVED: f32 = 0.8;
+/// By how much the parameters overstate the thrust, and its curve: the true one is 1.
+const THRUST_ASSUMED: f64 = 1.06;
+const FACTOR_ASSUMED: f32 = 0.8;
 /// Of the excitation, s and m.
 const EXCITED: f64 = 60.0;
 const HEIGHT: f64 = 5.0;
@@ -25,8 +25,8 @@ fn vehicle() -> Result<Scenario, String> {
     let mut s = Scenario::parse(BASE, "angle.toml").map_err(|e| e.0)?;
     let v = &s.vehicle;
     let true_max = v.thrust_coefficient * v.rotor_speed_max * v.rotor_speed_max;
-    s.params.insert("MOT_THR_MAX".into(), (true_max * THRUST_BELIEVED) as f32);
-    s.params.insert("THR_MDL_FAC".into(), FACTOR_BELIEVED);
+    s.params.insert("MOT_THR_MAX".into(), (true_max * THRUST_ASSUMED) as f32);
+    s.params.insert("THR_MDL_FAC".into(), FACTOR_ASSUMED);
     s.vehicle.common_thrust_error = 0.0;
     Ok(s)
 }

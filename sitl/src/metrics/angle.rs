@@ -7,7 +7,7 @@ use tautline_firmware::estimate::tether_angle::plane_angles;
 use tautline_firmware::frames::World;
 use tautline_firmware::vehicle::StepOutput;
 
-/// Time after entering the mode that is not judged, s.
+/// Time after entering the mode that is not scored, s.
 const SETTLING: f64 = 4.0;
 /// Lost: slack for so long, s.
 const SLACK_TIME: f64 = 1.0;
@@ -57,7 +57,7 @@ impl AngleMetrics {
         }
         let truth = plane_angles(&World(plant.end()));
         let estimate = angle.angles().map(f64::from);
-        let wanted = plane_angles(&World(reference.position.0.map(f64::from)));
+        let setpoint = plane_angles(&World(reference.position.0.map(f64::from)));
         let [estimates, trackings] = &mut self.spreads;
         for (i, truth) in truth.into_iter().enumerate() {
             let pick = |x: [f64; 2]| x.get(i).copied().unwrap_or(0.0);
@@ -66,7 +66,7 @@ impl AngleMetrics {
                 (estimates.get_mut(i), trackings.get_mut(i), self.sums.get_mut(i))
             {
                 e.add(off);
-                t.add(truth - pick(wanted));
+                t.add(truth - pick(setpoint));
                 *sum += off;
             }
         }

@@ -41,7 +41,7 @@ pub struct Metrics {
     pub angle: AngleMetrics,
     /// In Pendulum.
     pub pendulum: PendulumMetrics,
-    /// Largest squared-innovation ratios seen in the air: accelerometer, altitude, length.
+    /// Largest squared-innovation ratios in the air: accelerometer, altitude, length.
     pub health_max: [f64; 3],
     was_touching: bool,
     has_flown: bool,

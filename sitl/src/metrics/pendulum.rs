@@ -55,8 +55,8 @@ impl PendulumMetrics {
         if self.time < SETTLING {
             return;
         }
-        let wanted = reference.position().0.map(f64::from);
-        let error = (rod.load(&plant.body.position) - wanted).norm();
+        let setpoint = reference.position().0.map(f64::from);
+        let error = (rod.load(&plant.body.position) - setpoint).norm();
         let push = plant.push.as_ref().map_or(V3::zeros(), |push| push.force());
         let off = report.estimate.disturbance.0.map(f64::from) - push;
         let rate = report.estimate.rod_rate.0.map(f64::from) - rod.rate;

@@ -6,9 +6,9 @@ use serde::Serialize;
 use tautline_firmware::supervisor::Mode;
 use tautline_firmware::vehicle::StepOutput;
 
-/// Time after entering the mode that is not judged, s, unless a flight says otherwise.
+/// Time after entering the mode that is not scored, s, unless a flight says otherwise.
 const SETTLING: f64 = 1.0;
-/// The link force is judged as a mean over this time, s.
+/// The link force is scored as a mean over this time, s.
 const FORCE_MEAN: f64 = 0.1;
 /// Lost: so long without force, s; this far off in elevation or beside the heading, rad.
 const SLACK_TIME: f64 = 1.0;
@@ -18,7 +18,7 @@ const AZIMUTH_LOST: f64 = 57.0 * std::f64::consts::PI / 180.0;
 /// Collects during a flight.
 #[derive(Clone, Debug)]
 pub struct TautMetrics {
-    /// Time after entering the mode that is not judged, s.
+    /// Time after entering the mode that is not scored, s.
     pub settling: f64,
     time: f64,
     elevation: Spread,
@@ -81,9 +81,9 @@ impl TautMetrics {
         let nose = body.attitude * V3::x();
         let heading = nose.y.atan2(nose.x);
         let beside = wrap(end.y.atan2(end.x) - heading);
-        let [wanted, ..] = reference.elevation.map(f64::from);
+        let [setpoint, ..] = reference.elevation.map(f64::from);
         let [second, ..] = reference.second.map(f64::from);
-        let off = wanted - elevation;
+        let off = setpoint - elevation;
 
         self.slack = if tension.abs() < 0.05 { self.slack + dt } else { 0.0 };
         if self.slack > SLACK_TIME {

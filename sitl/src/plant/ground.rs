@@ -61,9 +61,9 @@ impl Ground {
                 -model.stiffness * (place.y - sy) - model.damping * speed.y,
                 0.0,
             );
-            let grip = model.friction * normal;
-            if side.norm() > grip {
-                side *= grip / side.norm();
+            let friction_limit = model.friction * normal;
+            if side.norm() > friction_limit {
+                side *= friction_limit / side.norm();
                 // Slipping: the foot drags its anchor along.
                 *stuck =
                     Some((place.x + side.x / model.stiffness, place.y + side.y / model.stiffness));

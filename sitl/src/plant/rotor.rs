@@ -30,7 +30,7 @@ pub struct RotorModel {
 pub struct Rotor {
     /// rad/s.
     pub speed: f64,
-    wanted: f64,
+    target: f64,
     gain: f64,
 }
 
@@ -38,18 +38,18 @@ impl Rotor {
     /// Standing still; `gain` scales its thrust.
     #[must_use]
     pub fn new(gain: f64) -> Self {
-        Self { speed: 0.0, wanted: 0.0, gain }
+        Self { speed: 0.0, target: 0.0, gain }
     }
 
     /// Takes a throttle at this voltage; it holds until the next.
     pub fn command(&mut self, model: &RotorModel, throttle: f64, voltage: f64) {
         let top = model.speed_max * voltage / model.nominal_voltage;
-        self.wanted = top * throttle.clamp(0.0, 1.0).powf(model.curve);
+        self.target = top * throttle.clamp(0.0, 1.0).powf(model.curve);
     }
 
     /// Thrust, N, `dt` s later.
     pub fn step(&mut self, model: &RotorModel, dt: f64) -> f64 {
-        self.speed += (self.wanted - self.speed) * (dt / model.time_constant).min(1.0);
+        self.speed += (self.target - self.speed) * (dt / model.time_constant).min(1.0);
         self.thrust(model)
     }
 

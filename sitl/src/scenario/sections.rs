@@ -268,7 +268,7 @@ pub enum FaultKind {
     GyroBias,
     /// No motion capture.
     CaptureLost,
-    /// Motion capture sees the vehicle, not the rod.
+    /// Motion capture tracks the vehicle, not the rod.
     RodUnseen,
 }
 

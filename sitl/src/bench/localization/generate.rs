@@ -1,4 +1,4 @@
-//! Flies the circle with a controller that knows everything, and writes down what the sensors say.
+//! Flies the circle with a controller on the true state, and records the sensors.
 
 use super::plant::{CableVehicle, State, euler, position, rates, to_body, velocity};
 use super::scenario::LocalizationScenario;
@@ -36,7 +36,7 @@ pub struct Sample {
     pub truth: V3,
 }
 
-/// Position, velocity and acceleration of the wanted path.
+/// Position, velocity and acceleration of the reference path.
 fn path(s: &LocalizationScenario, time: f64) -> [V3; 3] {
     // Differences of the closed form: exact enough for a feed-forward, and one formula.
     const H: f64 = 1e-4;
@@ -57,10 +57,10 @@ fn vee(m: &Matrix3<f64>) -> V3 {
 
 /// Thrust and torque.
 fn control(vehicle: &CableVehicle, s: &LocalizationScenario, x: &State, time: f64) -> (f64, V3) {
-    let [wanted, speed, accel] = path(s, time);
+    let [reference, speed, accel] = path(s, time);
     let place = position(x);
     let [kp, kd] = GAINS;
-    let a = accel + (wanted - place) * kp + (speed - velocity(x)) * kd;
+    let a = accel + (reference - place) * kp + (speed - velocity(x)) * kd;
     let gravity = V3::new(0.0, 0.0, GRAVITY);
     let force = (a - gravity) * vehicle.mass - vehicle.pull(&place);
     let z = -force.normalize();

@@ -23,7 +23,7 @@ pub const ESTIMATORS: [&str; 6] = [
     "error-state, length",
 ];
 
-/// What an estimator says at a sample.
+/// An estimator's output at a sample.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Fix {
     /// NED, m.

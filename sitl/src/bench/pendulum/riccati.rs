@@ -53,13 +53,13 @@ fn riccati(a: &M5, b: &SVector<f64, 5>, q: &M5, r: f64) -> M5 {
     let (mut upper, lower) = (block(0, 5), block(5, 5) + M5::identity());
     let (right, below) = (block(0, 0) + M5::identity(), block(5, 0));
     let mut stacked = SMatrix::<f64, 10, 5>::zeros();
-    let mut wanted = SMatrix::<f64, 10, 5>::zeros();
+    let mut rhs = SMatrix::<f64, 10, 5>::zeros();
     stacked.fixed_view_mut::<5, 5>(0, 0).copy_from(&upper);
     stacked.fixed_view_mut::<5, 5>(5, 0).copy_from(&lower);
-    wanted.fixed_view_mut::<5, 5>(0, 0).copy_from(&-right);
-    wanted.fixed_view_mut::<5, 5>(5, 0).copy_from(&-below);
+    rhs.fixed_view_mut::<5, 5>(0, 0).copy_from(&-right);
+    rhs.fixed_view_mut::<5, 5>(5, 0).copy_from(&-below);
     let normal = stacked.transpose() * stacked;
-    upper = normal.try_inverse().unwrap_or_else(M5::zeros) * (stacked.transpose() * wanted);
+    upper = normal.try_inverse().unwrap_or_else(M5::zeros) * (stacked.transpose() * rhs);
     (upper + upper.transpose()) * 0.5
 }
 

@@ -56,8 +56,8 @@ pub struct PendulumRun<S: Scalar> {
     pub disturbance: Disturbance,
     /// The core's estimator.
     pub observer: PendulumObserver<S>,
-    /// Its first belief; `None`: from the first measured direction.
-    pub belief: Option<PendulumBelief<S>>,
+    /// Its initial estimate; `None`: from the first measured direction.
+    pub initial: Option<PendulumBelief<S>>,
     /// The core's controller.
     pub law: Flown<S>,
     /// The reference.
@@ -132,7 +132,7 @@ fn up<S: Scalar + Into<f64>>(v: &V3<S>) -> Vector3<f64> {
     v.map(Into::into)
 }
 
-/// What the cameras see of a truth.
+/// The cameras' measurement of a truth.
 fn reading<S: Scalar>(
     s: &Sensing,
     length: f64,
@@ -140,12 +140,12 @@ fn reading<S: Scalar>(
     thrust: S,
     rng: &mut Generator,
 ) -> PendulumReading<S> {
-    let mut shake = |size: f64| Vector3::from_fn(|_, _| size * normal(rng));
+    let mut noise = |size: f64| Vector3::from_fn(|_, _| size * normal(rng));
     let vehicle = truth.position - truth.rod * length;
     PendulumReading {
-        rod: Some(World(down(&(truth.rod + shake(s.rod))))),
-        position: World(down(&(vehicle + shake(s.position)))),
-        velocity: World(down(&(truth.vehicle_velocity(length) + shake(s.velocity)))),
+        rod: Some(World(down(&(truth.rod + noise(s.rod))))),
+        position: World(down(&(vehicle + noise(s.position)))),
+        velocity: World(down(&(truth.vehicle_velocity(length) + noise(s.velocity)))),
         down: World(down(&truth.attitude.column(2).into_owned())),
         thrust,
         rod_period: S::lit(s.period),
@@ -170,7 +170,7 @@ impl<S: Scalar + Into<f64>> PendulumRun<S> {
         let dt = S::lit(self.dt);
         let plant_dt = self.dt / f64::from(self.substeps);
         let mut truth = self.start;
-        let mut seen = VecDeque::from([truth]);
+        let mut history = VecDeque::from([truth]);
         let mut observer = None;
         let mut memory = PendulumMemory::default();
         let (mut angle, mut soft) = (S::zero(), None);
@@ -180,7 +180,7 @@ impl<S: Scalar + Into<f64>> PendulumRun<S> {
         let steps = (self.duration / self.dt).round() as u64;
         for step in 0..=steps {
             let time = step as f64 * self.dt;
-            let late = *seen.front().unwrap_or(&truth);
+            let late = *history.front().unwrap_or(&truth);
             let z = reading(&self.sensing, self.plant.length, &late, thrust, &mut rng);
             let Some(mut x) = self.observe(&mut observer, &z, dt) else {
                 lost_at = Some(time);
@@ -248,9 +248,9 @@ impl<S: Scalar + Into<f64>> PendulumRun<S> {
                 };
                 truth = self.plant.step(&truth, &action, plant_dt);
                 self.disturbance.step(plant_dt);
-                seen.push_back(truth);
-                while seen.len() > self.sensing.delay + 1 {
-                    seen.pop_front();
+                history.push_back(truth);
+                while history.len() > self.sensing.delay + 1 {
+                    history.pop_front();
                 }
             }
         }
@@ -265,8 +265,8 @@ impl<S: Scalar + Into<f64>> PendulumRun<S> {
     ) -> Option<PendulumEstimate<S>> {
         match observer {
             None => {
-                let (state, estimate) = match self.belief {
-                    Some(belief) => self.observer.start_from(belief, z),
+                let (state, estimate) = match self.initial {
+                    Some(initial) => self.observer.start_from(initial, z),
                     None => self.observer.start(z),
                 }?;
                 *observer = Some(state);

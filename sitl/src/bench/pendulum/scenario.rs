@@ -75,9 +75,9 @@ pub struct PendulumScenario {
     pub load_mass: f64,
     /// m.
     pub length: f64,
-    /// True over believed mass of vehicle and load, less one.
+    /// True over nominal mass of vehicle and load, less one.
     pub mass_error: f64,
-    /// True over believed thrust, less one.
+    /// True over nominal thrust, less one.
     pub thrust_error: f64,
     /// Linear drag of the vehicle, N s/m.
     pub drag: f64,
@@ -103,7 +103,7 @@ pub struct PendulumScenario {
     pub precision: Precision,
     /// Control and filter, Hz.
     pub rate: f64,
-    /// Largest thrust over the believed weight; zero: no limit.
+    /// Largest thrust over the nominal weight; zero: no limit.
     pub thrust_share: f64,
     /// Largest body rate, rad/s; zero: no limit.
     pub rate_max: f64,
@@ -345,7 +345,7 @@ impl PendulumScenario {
                 vertical: (bandwidth > 0.0)
                     .then(|| VerticalDisturbance { bandwidth: lit(bandwidth) }),
             },
-            belief: self.starts_turned_over.then(|| filter.start(&V3::z())),
+            initial: self.starts_turned_over.then(|| filter.start(&V3::z())),
             law,
             circle,
             is_hovering: self.speed <= 0.0,

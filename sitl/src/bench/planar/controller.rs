@@ -1,4 +1,4 @@
-//! The core's blocks, set up as a planar scenario says.
+//! The core's blocks, set up for a planar scenario.
 
 use super::scenario::{
     BranchChoice, Feedback, InversionKind, LawKind, PlanarScenario, Residual, SmoothKind,

@@ -71,7 +71,7 @@ pub enum BranchChoice {
     One,
 }
 
-/// Residual that tells branches apart.
+/// Residual that discriminates the branches.
 #[derive(Clone, Copy, Debug, Default, Deserialize, Serialize, PartialEq, Eq)]
 #[serde(rename_all = "snake_case")]
 pub enum Residual {

@@ -10,7 +10,7 @@ use nalgebra::{Complex, SMatrix, SVector};
 pub struct LinearLoop {
     /// (23).
     pub a: SMatrix<f64, 5, 5>,
-    /// Tilt rate asked per state, so that `u = K (x - x_ref)`.
+    /// Tilt rate commanded per state, so that `u = K (x - x_ref)`.
     pub k: SVector<f64, 5>,
     /// Of the closed loop, 1/s, by real then imaginary part.
     pub poles: Vec<Complex<f64>>,

@@ -11,7 +11,7 @@ use tautline_firmware::model::TetherAngleModel;
 pub struct Setting {
     /// True tether angle, rad.
     pub angle: f64,
-    /// Thrust over mass that acts and that is believed, m/s².
+    /// Thrust over mass that acts, and nominal, m/s².
     pub thrust: [f64; 2],
     /// White noise on each axis, m/s².
     pub noise: f64,
@@ -32,13 +32,13 @@ pub struct Sensitivity {
     pub tilt: [f64; 2],
 }
 
-/// Draws `samples` readings about the equilibrium at the believed thrust.
+/// Draws `samples` readings about the equilibrium at the nominal thrust.
 ///
 /// # Errors
 /// A thrust that is not positive.
 pub fn sensitivity(s: &Setting, samples: u32, seed: u64) -> Result<Sensitivity, String> {
-    let [acting, believed] = s.thrust;
-    let model = TetherAngleModel::try_new(believed, s.length).map_err(|e| e.to_string())?;
+    let [acting, nominal] = s.thrust;
+    let model = TetherAngleModel::try_new(nominal, s.length).map_err(|e| e.to_string())?;
     let plant =
         |thrust| PlaneModel { length: s.length, thrust, attachment: 0.0, mass_over_inertia: 1.0 };
     // It hangs as the acting thrust lets it.
@@ -49,8 +49,8 @@ pub fn sensitivity(s: &Setting, samples: u32, seed: u64) -> Result<Sensitivity, 
     let mut rng = generator(seed, 32);
     let (mut count, mut sums, mut squares) = (0_u32, [0.0; 2], [0.0; 2]);
     for _ in 0..samples {
-        let seen = force.map(|a| a + s.noise * normal(&mut rng));
-        let Ok(found) = locate(&model, seen, 0.0, tilt, TENSION_FLOOR) else { continue };
+        let reading = force.map(|a| a + s.noise * normal(&mut rng));
+        let Ok(found) = locate(&model, reading, 0.0, tilt, TENSION_FLOOR) else { continue };
         count += 1;
         let errors = [wrap_pi(found.angle - s.angle), wrap_pi(found.tilt - tilt)];
         for ((sum, square), e) in sums.iter_mut().zip(&mut squares).zip(errors) {

@@ -76,7 +76,7 @@ pub struct AngleTrace {
 /// One line naming the setting.
 pub fn fly(s: &AngleScenario, seed: u64) -> Result<AngleTrace, String> {
     s.check(1)?;
-    let believed = s.believed()?;
+    let nominal = s.nominal_model()?;
     let ukf = s.ukf(FILTER_EVERY as f64 / RATE)?;
     let control = s.control()?;
     let model = |time: f64| PlaneModel {
@@ -111,7 +111,7 @@ pub fn fly(s: &AngleScenario, seed: u64) -> Result<AngleTrace, String> {
             let gyro = gyro_sum / count + s.gyro_bias + s.gyro_noise * normal(&mut rng);
             gyro_sum = 0.0;
             let [x, z] = filtered;
-            ukf.step(&believed, &mut filter, &TiltImu { x, z, rate: gyro });
+            ukf.step(&nominal, &mut filter, &TiltImu { x, z, rate: gyro });
             let c = &filter.belief.covariance;
             let row = AngleRow {
                 time,
@@ -130,7 +130,7 @@ pub fn fly(s: &AngleScenario, seed: u64) -> Result<AngleTrace, String> {
                 AngleFeedback::Estimate => filter.belief.x,
                 AngleFeedback::State => truth,
             };
-            acting.rate = control.step(&believed, reference, &x).rate;
+            acting.rate = control.step(&nominal, reference, &x).rate;
         }
         if s.compensates {
             let [force_x, _] = filtered;

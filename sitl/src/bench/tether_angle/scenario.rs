@@ -70,7 +70,7 @@ pub struct AngleScenario {
     pub mass_over_inertia: f64,
     /// Whether the attachment's torque is compensated.
     pub compensates: bool,
-    /// Tether angles asked, deg, one after the other; in space two: along x and along y.
+    /// Tether-angle references, deg, one after the other; in space two: along x and along y.
     pub reference: Vec<f64>,
     /// Duration of each, s.
     pub step: f64,
@@ -170,7 +170,7 @@ impl AngleScenario {
     }
 
     /// What the algorithms believe.
-    pub(super) fn believed(&self) -> Result<TetherAngleModel<f64>, String> {
+    pub(super) fn nominal_model(&self) -> Result<TetherAngleModel<f64>, String> {
         TetherAngleModel::try_new(self.thrust, self.length_believed).map_err(|e| e.to_string())
     }
 
@@ -193,7 +193,7 @@ impl AngleScenario {
         .map_err(|e| e.to_string())
     }
 
-    /// What the core's own checks do not see.
+    /// What the core's own checks leave open.
     pub(super) fn check(&self, planes: usize) -> Result<(), String> {
         let ranges = [
             ("length", self.length, 0.1, 1e3),

@@ -92,9 +92,9 @@ impl Body {
         }
     }
 
-    fn step(&mut self, s: &AngleScenario, thrust: f64, asked: &V3, anchor: &V3, dt: f64) {
+    fn step(&mut self, s: &AngleScenario, thrust: f64, rate_command: &V3, anchor: &V3, dt: f64) {
         let [wn, zeta] = RATE_LOOP;
-        for (axis, &u) in self.rate.iter_mut().zip(asked.iter()) {
+        for (axis, &u) in self.rate.iter_mut().zip(rate_command.iter()) {
             *axis = runge_kutta(*axis, dt, |[r, a]| [*a, wn * wn * (u - r) - 2.0 * zeta * wn * a]);
         }
         let omega = V3::new(self.rate[0][0], self.rate[1][0], self.rate[2][0]);
@@ -136,7 +136,7 @@ pub fn fly_spatial(s: &AngleScenario, seed: u64) -> Result<SpatialTrace, String>
     let (reference, start) = (pair(&s.reference), pair(&s.start));
     let angles = TetherAngles {
         ukf: s.ukf(FILTER_EVERY as f64 / RATE)?,
-        model: s.believed()?,
+        model: s.nominal_model()?,
         projects: s.projects,
     };
     let control = s.control()?;
@@ -154,7 +154,7 @@ pub fn fly_spatial(s: &AngleScenario, seed: u64) -> Result<SpatialTrace, String>
     let mut rng = generator(seed, 31);
     let mut filtered = body.force;
     let gain = 1.0 - (-1.0 / (RATE * s.accel_tau)).exp();
-    let (mut gyro_sum, mut gyro_count, mut asked) = (V3::zeros(), 0.0, V3::zeros());
+    let (mut gyro_sum, mut gyro_count, mut rate_command) = (V3::zeros(), 0.0, V3::zeros());
     let mut spreads = [[Spread::default(); 2]; 2];
     let (mut bias, mut count) = ([0.0; 2], 0.0);
     let mut rows = Vec::new();
@@ -197,10 +197,10 @@ pub fn fly_spatial(s: &AngleScenario, seed: u64) -> Result<SpatialTrace, String>
                     0.0
                 }
             });
-            asked = frame.body_rate(rates) + V3::new(0.0, 0.0, -YAW_GAIN * heading);
+            rate_command = frame.body_rate(rates) + V3::new(0.0, 0.0, -YAW_GAIN * heading);
         }
         let anchor = V3::new(s.anchor.accel(time), s.anchor_y.accel(time), 0.0);
-        body.step(s, s.thrust_at(time), &asked, &anchor, 1.0 / RATE);
+        body.step(s, s.thrust_at(time), &rate_command, &anchor, 1.0 / RATE);
         if body.position.z < 0.0 || !body.position.z.is_finite() {
             is_lost = true;
             break;

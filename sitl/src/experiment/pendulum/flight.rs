@@ -141,33 +141,34 @@ fn draw(report: &mut Report, settings: &Settings) -> Result<(), String> {
         let Some(reference) = &report.reference else { continue };
         let now = flight.world.time();
         let time = now - *began.get_or_insert(now);
-        let wanted = reference.position().0.map(f64::from);
+        let setpoint = reference.position().0.map(f64::from);
         let load = rod.load(&plant.body.position);
         let push = plant.push.as_ref().map_or_else(nalgebra::Vector3::zeros, |p| p.force());
-        let seen = report.estimate.disturbance.0.map(f64::from);
+        let estimate = report.estimate.disturbance.0.map(f64::from);
         let values = [
-            100.0 * (load - wanted).norm(),
+            100.0 * (load - setpoint).norm(),
             rod.tilt().to_degrees(),
             plant.thrust(),
             f64::from(out.rate_setpoint.0.norm()),
             push.x,
-            seen.x,
+            estimate.x,
             push.z,
-            seen.z,
+            estimate.z,
         ];
         for (points, value) in series.iter_mut().zip(values) {
             points.push((time, value));
         }
-        for (path, point) in paths.iter_mut().zip([load, wanted, plant.body.position]) {
+        for (path, point) in paths.iter_mut().zip([load, setpoint, plant.body.position]) {
             path.push(point.into());
         }
     }
-    let [error, tilt, thrust, rate, north, north_seen, down, down_seen] = series;
+    let [error, tilt, thrust, rate, north, north_estimate, down, down_estimate] = series;
     let one = |title: &'static str, unit: &'static str, points| {
         (Panel::new(title, "time, s", unit), vec![Line::new("", TRUTH, points)])
     };
-    let two = |title: &'static str, truth, seen| {
-        let lines = vec![Line::new("true", TRUTH, truth), Line::new("estimated", ESTIMATE, seen)];
+    let two = |title: &'static str, truth, estimate| {
+        let lines =
+            vec![Line::new("true", TRUTH, truth), Line::new("estimated", ESTIMATE, estimate)];
         (Panel::new(title, "time, s", "N"), lines)
     };
     let cells: Vec<grid::Cell> = vec![
@@ -175,14 +176,14 @@ fn draw(report: &mut Report, settings: &Settings) -> Result<(), String> {
         one("Tilt of the rod", "deg", tilt),
         one("Thrust", "N", thrust),
         one("Body-rate command", "rad/s", rate),
-        two("Push, north", north, north_seen),
-        two("Push, down", down, down_seen),
+        two("Push, north", north, north_estimate),
+        two("Push, down", down, down_estimate),
     ];
     report.picture("pendulum-flight.svg", move |path| grid(path, 2, &cells));
-    let [load, wanted, vehicle] = paths;
+    let [load, setpoint, vehicle] = paths;
     let drawn = vec![
         Curve::new("load", TRUTH, load),
-        Curve::new("reference", SETPOINT, wanted),
+        Curve::new("reference", SETPOINT, setpoint),
         Curve::new("vehicle", crate::report::chart::THIRD, vehicle),
     ];
     report.picture("pendulum-flight-path.svg", move |path| {

@@ -20,8 +20,8 @@ const TABLE: [(f64, f64, [f64; 4]); 8] = [
     (60.0, 1.0, [0.09, 3.46, 0.07, 1.35]),
     (90.0, 1.0, [0.05, 2.01, 0.04, 1.17]),
 ];
-/// From here on the specification judges, deg.
-const JUDGED: f64 = 20.0;
+/// From here on the specification scores, deg.
+const SCORED_FROM: f64 = 20.0;
 
 const NOISY: Setting =
     Setting { angle: 0.0, thrust: [12.0, 12.0], noise: 0.2, length: 3.0, rate: 0.0 };
@@ -99,8 +99,8 @@ pub fn monte_carlo(report: &mut Report, seed: u64) -> Result<(), String> {
     let settings = TABLE.map(|(deg, ..)| Setting { angle: deg.to_radians(), ..NOISY });
     let found = draw_all(&settings, seed)?;
     for ((deg, valid, table), ours) in TABLE.iter().zip(found) {
-        let judge = |value: f64, share: f64, slack: f64| {
-            if *deg >= JUDGED { Compare::Near { value, share, slack } } else { Compare::Alone }
+        let compare = |value: f64, share: f64, slack: f64| {
+            if *deg >= SCORED_FROM { Compare::Near { value, share, slack } } else { Compare::Alone }
         };
         report.add(
             format!("one reading, {deg} deg: valid, 1"),
@@ -118,7 +118,7 @@ pub fn monte_carlo(report: &mut Report, seed: u64) -> Result<(), String> {
             report.add(
                 format!("one reading, {deg} deg: {name}, deg"),
                 ours.to_degrees(),
-                judge(*value, 0.06, 0.08),
+                compare(*value, 0.06, 0.08),
             );
         }
     }
