@@ -5,7 +5,7 @@ use super::pipe::{Pipe, decode};
 use super::qemu::{Qemu, Telemetry};
 use crate::flight::{Environment, MavlinkSender, MissionRunner, Progress};
 use crate::plant::V3;
-use crate::scenario::{FaultKind, Scenario};
+use crate::scenario::{FaultKind, Scenario, Source};
 use mavlink::dialects::common::{HEARTBEAT_DATA, MavType, STATUSTEXT_DATA, WINCH_STATUS_DATA};
 use mavlink::{MavlinkVersion, MessageData};
 use std::io::{self, Write};
@@ -212,8 +212,8 @@ impl<'a> Host<'a> {
         }
     }
 
-    /// One millisecond of world, then the board's turn.
-    fn advance(&mut self, pipe: &mut Pipe) -> io::Result<()> {
+    /// One millisecond of world, with what the companions send in it.
+    fn step_world(&mut self) {
         if !self.has_begun {
             self.has_begun = true;
             self.devices.environment.begin();
@@ -229,11 +229,17 @@ impl<'a> Host<'a> {
                 line_length: length.length_mm as f32 * 1e-3,
                 ..WINCH_STATUS_DATA::default()
             };
-            console.extend_from_slice(&self.winch.frame(&status));
+            let frame = self.winch.frame(&status);
+            environment.deliver(Source::Companion, &frame, &mut |frame| {
+                console.extend_from_slice(frame);
+            });
         }
-        if environment.is_active(FaultKind::LinkLost) {
-            console.clear();
-        }
+    }
+
+    /// One millisecond of world, then the board's turn.
+    fn advance(&mut self, pipe: &mut Pipe) -> io::Result<()> {
+        self.step_world();
+        let environment = &self.devices.environment;
         let is_ready = !environment.is_active(FaultKind::ImuSilent);
         let time = environment.time();
         let due = self.plan.injury.filter(|(at, _)| self.injured_at.is_none() && time >= *at);
@@ -265,7 +271,10 @@ impl<'a> Host<'a> {
         if *self.mission.progress() != Progress::Flying && self.steps.is_multiple_of(HEARTBEAT_MS) {
             let heartbeat =
                 HEARTBEAT_DATA { mavtype: MavType::MAV_TYPE_GCS, ..HEARTBEAT_DATA::default() };
-            self.console.extend_from_slice(&self.ground.frame(&heartbeat));
+            let (frame, console) = (self.ground.frame(&heartbeat), &mut self.console);
+            self.devices.environment.deliver(Source::Ground, &frame, &mut |frame| {
+                console.extend_from_slice(frame);
+            });
         }
     }
 
@@ -281,8 +290,12 @@ impl<'a> Host<'a> {
             self.squares = (self.squares.0 + off.norm_squared(), self.squares.1 + 1);
         }
         let console = &mut self.console;
-        self.mission.step(status, time, &mut |frame| console.extend_from_slice(frame));
         let environment = &mut self.devices.environment;
+        self.mission.step(status, time, &mut |frame| {
+            environment.deliver(Source::Ground, frame, &mut |frame| {
+                console.extend_from_slice(frame);
+            });
+        });
         if let Some(walk) = self.mission.take_walk() {
             environment.plant.anchor.go(walk);
         }
@@ -320,5 +333,66 @@ impl<'a> Host<'a> {
         let (sum, count) = self.squares;
         self.out.estimate_rms = (count > 0).then(|| (sum / count as f64).sqrt());
         Ok(self.out)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::flight::Flight;
+
+    /// For so long, ms.
+    const TIME: u64 = 1500;
+
+    /// Whether the ground station and the motion capture get through to an emulated board.
+    fn reach_the_board(scenario: &Scenario) -> [bool; 2] {
+        let plan = Plan {
+            image: Path::new(""),
+            folder: Path::new(""),
+            scenario,
+            params: scenario.params().unwrap(),
+            seed: 1,
+            limit: 60.0,
+            injury: None,
+            telemetry: Telemetry::None,
+        };
+        let mut host = Host::new(&plan).unwrap();
+        for _ in 0..TIME {
+            host.step_world();
+            host.update(&Status::default());
+        }
+        let mut parser = Parser::new();
+        let systems: Vec<u8> =
+            host.console.iter().filter_map(|byte| parser.push(*byte)).map(|f| f.system).collect();
+        assert!(systems.contains(&(WINCH as u8)), "{systems:?}");
+        [systems.contains(&(GROUND as u8)), systems.contains(&200)]
+    }
+
+    /// Whether they get through to the firmware in the simulator.
+    fn reach_the_simulator(scenario: &Scenario) -> [bool; 2] {
+        let params = scenario.params().unwrap();
+        let mut flight = Flight::new(scenario, params, 1, io::sink()).unwrap();
+        let mut is_captured = false;
+        for _ in 0..TIME {
+            is_captured |= flight.step(&mut |_| {}).sensors.capture.is_some();
+        }
+        [flight.world.link.heartbeat_at().is_some(), is_captured]
+    }
+
+    #[test]
+    fn a_fault_cuts_the_same_here_and_in_the_simulator() {
+        let scenario = |fault: &str| {
+            let text = format!("[capture]\nrate = 50.0\n{fault}[[mission]]\ndo = \"arm\"");
+            Scenario::parse(&text, "s.toml").unwrap()
+        };
+        for (fault, reached) in [
+            ("", [true, true]),
+            ("[[fault]]\nkind = \"link_lost\"\nat = 0.0\n", [false, true]),
+            ("[[fault]]\nkind = \"capture_lost\"\nat = 0.0\n", [true, false]),
+        ] {
+            let scenario = scenario(fault);
+            assert_eq!(reach_the_board(&scenario), reached, "board, {fault}");
+            assert_eq!(reach_the_simulator(&scenario), reached, "simulator, {fault}");
+        }
     }
 }

@@ -2,7 +2,7 @@
 
 use super::capture::MotionCapture;
 use crate::plant::{Disturbance, DisturbanceKind, Plant, Push, generator};
-use crate::scenario::{FaultKind, Faults, Scenario};
+use crate::scenario::{FaultKind, Faults, Scenario, Source};
 use crate::sensor::SensorSuite;
 use std::f64::consts::PI;
 use tautline_firmware::param::Params;
@@ -89,6 +89,13 @@ impl Environment {
         self.faults.is_active(kind, self.clock.now_us() as f64 * 1e-6)
     }
 
+    /// Hands on a MAVLink frame to the vehicle, unless a fault cuts off its source.
+    pub fn deliver(&self, source: Source, frame: &[u8], receive: &mut dyn FnMut(&[u8])) {
+        if !self.faults.cuts(source, self.clock.now_us() as f64 * 1e-6) {
+            receive(frame);
+        }
+    }
+
     /// One millisecond of physics, with the commands of the motors and the winch.
     pub fn advance(&mut self, escs: &[FakeEsc; MOTORS], winch: f64) {
         let throttle = std::array::from_fn(|i| escs.get(i).map_or(0.0, FakeEsc::throttle));
@@ -103,8 +110,14 @@ impl Environment {
 
     /// Publishes the motion capture's frames that arrive now.
     pub fn publish_capture(&mut self, publish: &mut dyn FnMut(&[u8])) {
+        let now_us = self.clock.now_us();
         if let Some(capture) = &mut self.capture {
-            capture.step(self.clock.now_us(), &self.plant, &self.faults, publish);
+            let is_cut = self.faults.cuts(Source::Companion, now_us as f64 * 1e-6);
+            capture.step(now_us, &self.plant, &self.faults, &mut |frame| {
+                if !is_cut {
+                    publish(frame);
+                }
+            });
         }
     }
 

@@ -1,7 +1,7 @@
 //! One millisecond at a time: plant → sensors → drivers → the firmware's step → ESCs.
 
 use super::{Autopilot, Environment};
-use crate::scenario::{FaultKind, Scenario, ScenarioError};
+use crate::scenario::{Scenario, ScenarioError, Source};
 use tautline_board::flight::protocol;
 use tautline_firmware::link::Link;
 use tautline_firmware::param::Params;
@@ -54,11 +54,12 @@ impl World {
         self.environment.time()
     }
 
-    /// Hands the link a datagram, unless the link is cut.
+    /// Hands the link a datagram of the ground station, unless the link is cut.
     pub fn receive(&mut self, datagram: &[u8], send: &mut dyn FnMut(&[u8])) {
-        if !self.environment.is_active(FaultKind::LinkLost) {
-            self.link.receive_datagram(self.now(), datagram, self.vehicle.params(), send);
-        }
+        let (now, params, link) = (self.environment.now(), self.vehicle.params(), &mut self.link);
+        self.environment.deliver(Source::Ground, datagram, &mut |datagram| {
+            link.receive_datagram(now, datagram, params, send);
+        });
     }
 
     /// One millisecond.

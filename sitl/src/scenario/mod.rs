@@ -14,11 +14,11 @@ pub mod settings;
 
 pub use arithmetic::Arithmetic;
 pub(crate) use check::within;
-pub use fault::Faults;
+pub use fault::{FaultKind, FaultSection, Faults, Source};
 pub use free::{CaptureSection, PushSection, RodSection};
 pub use sections::{
-    BatterySection, FaultKind, FaultSection, SensorSection, Step, TautControl, TetherKind,
-    TetherSection, VehicleSection, WindSection,
+    BatterySection, SensorSection, Step, TautControl, TetherKind, TetherSection, VehicleSection,
+    WindSection,
 };
 
 use serde::{Deserialize, Serialize};

@@ -240,54 +240,6 @@ impl Default for BatterySection {
     }
 }
 
-/// What can be broken.
-#[derive(Clone, Copy, Debug, Deserialize, Serialize, PartialEq, Eq)]
-#[serde(rename_all = "snake_case")]
-pub enum FaultKind {
-    /// Inertial registers keep their last values.
-    ImuFrozen,
-    /// No inertial data-ready.
-    ImuSilent,
-    /// The inertial sensor no longer drives its bus.
-    ImuDead,
-    /// Rangefinder silent.
-    RangefinderLost,
-    /// Barometer silent.
-    BarometerLost,
-    /// Both altimeters silent.
-    AltimeterLost,
-    /// The line is cut.
-    TetherBroken,
-    /// The winch no longer reports its length.
-    WinchSilent,
-    /// The battery is at `value` (0..1) of its charge.
-    BatteryAt,
-    /// Nothing from the ground station arrives.
-    LinkLost,
-    /// The gyro reads `value` rad/s too much on every axis.
-    GyroBias,
-    /// No motion capture.
-    CaptureLost,
-    /// Motion capture tracks the vehicle, not the rod.
-    RodUnseen,
-}
-
-/// `[[fault]]`.
-#[derive(Clone, Debug, Deserialize, Serialize, PartialEq)]
-#[serde(deny_unknown_fields)]
-pub struct FaultSection {
-    /// What.
-    pub kind: FaultKind,
-    /// s since power-up, which is a tenth of a second before the first step.
-    pub at: f64,
-    /// s; to the end when absent.
-    #[serde(default)]
-    pub duration: Option<f64>,
-    /// For the kinds that have one.
-    #[serde(default)]
-    pub value: f64,
-}
-
 /// What a taut-link mode controls beside the elevation.
 #[derive(Clone, Copy, Debug, Deserialize, Serialize, PartialEq, Eq)]
 #[serde(rename_all = "lowercase")]
