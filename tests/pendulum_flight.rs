@@ -53,7 +53,7 @@ fn refusal(change: impl FnOnce(&mut Scenario)) -> String {
 
 #[test]
 fn a_load_is_balanced_along_the_circle_under_a_push_that_lifts() {
-    use tautline_sitl::plant::DisturbanceKind;
+    use tautline_sitl::scenario::DisturbanceKind;
     let mut flight = balancing(|s| s.push.kind = DisturbanceKind::Constant);
     run(&mut flight, 20.0);
     let figures = flight.metrics.summary();

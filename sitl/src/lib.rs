@@ -9,8 +9,8 @@
 //!
 //! | room | |
 //! |---|---|
-//! | [`plant`] | the physical world |
 //! | [`scenario`] | what is simulated: the TOML file, its faults, parameter files |
+//! | [`plant`] | the physical world |
 //! | [`sensor`] | truth → errors → registers → drivers |
 //! | [`metrics`] | how well it was flown, against the truth |
 //! | [`flight`] | one flight: world, mission, log |

@@ -14,7 +14,8 @@ use tautline_sitl::bench::pendulum::{
     Flown, PendulumAction, PendulumPlant, PendulumRun, PendulumTrace, PendulumTruth, STATES,
     Sensing, linear_gains,
 };
-use tautline_sitl::plant::{Disturbance, DisturbanceKind};
+use tautline_sitl::plant::Disturbance;
+use tautline_sitl::scenario::DisturbanceKind;
 
 fn array(v: &Value, key: &str) -> [f64; STATES] {
     list(v, key).try_into().unwrap()

@@ -1,8 +1,8 @@
 //! Everything but the firmware: the physical world, the vehicle's devices, and its companions.
 
 use super::capture::MotionCapture;
-use crate::plant::{Disturbance, DisturbanceKind, Plant, Push, generator};
-use crate::scenario::{FaultKind, Faults, Scenario, Source};
+use crate::plant::{Disturbance, Plant, PlantModel, Push, generator};
+use crate::scenario::{DisturbanceKind, FaultKind, Faults, Scenario, Source};
 use crate::sensor::SensorSuite;
 use std::f64::consts::PI;
 use tautline_firmware::param::Params;
@@ -41,7 +41,7 @@ impl Environment {
         let mut rng = generator(seed, 3);
         let wind_from = crate::plant::uniform(&mut rng) * PI;
         let (distance, heading) = scenario.start();
-        let mut plant = Plant::new(scenario.plant_with_wind(wind_from), distance, heading, seed);
+        let mut plant = Plant::new(PlantModel::new(scenario, wind_from), distance, heading, seed);
         if scenario.push.kind != DisturbanceKind::None {
             plant.push = Some(Push::new(Disturbance::new(scenario.push.kind, seed)));
         }

@@ -1,21 +1,8 @@
 //! The pendulum article's three disturbances: none, constant, and (71).
 
 use super::{Generator, generator, normal};
+use crate::scenario::DisturbanceKind;
 use nalgebra::Vector3;
-use serde::{Deserialize, Serialize};
-
-/// Which.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum DisturbanceKind {
-    /// Nothing pushes.
-    #[default]
-    None,
-    /// (-0.5, 0.5, -0.8) N.
-    Constant,
-    /// Filtered white noise, a new sample every 0.1 s.
-    Stochastic,
-}
 
 /// Hold time of the white noise, s, and its deviation.
 const HOLD: f64 = 0.1;

@@ -18,7 +18,7 @@ mod wind;
 pub use anchor::{Anchor, Walk};
 pub use battery::{Battery, BatteryModel};
 pub use body::{Body, BodyModel};
-pub use disturbance::{Disturbance, DisturbanceKind};
+pub use disturbance::Disturbance;
 pub use ground::{Ground, GroundModel};
 pub use integrate::runge_kutta;
 pub use push::Push;
@@ -27,6 +27,7 @@ pub use rotor::{Rotor, RotorModel};
 pub use tether::{Tether, TetherModel, WinchModel};
 pub use wind::{Gusts, Wind, WindModel};
 
+use crate::scenario::Scenario;
 use nalgebra::Vector3;
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64Mcg;
@@ -79,6 +80,23 @@ pub struct PlantModel {
     pub ground: GroundModel,
     /// Battery.
     pub battery: BatteryModel,
+}
+
+impl PlantModel {
+    /// As the scenario describes it; the wind blows from `wind_from`, rad from North, when the file
+    /// leaves that open.
+    #[must_use]
+    pub fn new(scenario: &Scenario, wind_from: f64) -> Self {
+        Self {
+            body: BodyModel::new(&scenario.vehicle),
+            rotor: RotorModel::new(&scenario.vehicle),
+            tether: TetherModel::new(&scenario.tether, scenario.vehicle.mass),
+            rod: RodModel::new(&scenario.rod),
+            wind: WindModel::new(&scenario.wind, wind_from),
+            ground: GroundModel::new(&scenario.vehicle),
+            battery: BatteryModel::new(&scenario.battery),
+        }
+    }
 }
 
 /// The state of everything physical.

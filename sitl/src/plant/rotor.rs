@@ -1,5 +1,7 @@
 //! A rotor with its ESC and motor: first-order speed, thrust and drag torque by the square of speed.
 
+use crate::scenario::VehicleSection;
+
 /// All rotors alike.
 #[derive(Clone, Debug)]
 pub struct RotorModel {
@@ -23,6 +25,25 @@ pub struct RotorModel {
     pub gain_error: f64,
     /// Mechanical over electrical power.
     pub efficiency: f64,
+}
+
+impl RotorModel {
+    /// As the scenario describes them.
+    #[must_use]
+    pub fn new(vehicle: &VehicleSection) -> Self {
+        Self {
+            arm: vehicle.arm,
+            thrust_coefficient: vehicle.thrust_coefficient,
+            torque_ratio: vehicle.torque_ratio,
+            speed_max: vehicle.rotor_speed_max,
+            nominal_voltage: vehicle.nominal_voltage,
+            curve: vehicle.throttle_curve,
+            time_constant: vehicle.rotor_time_constant,
+            common_gain_error: vehicle.common_thrust_error,
+            gain_error: vehicle.rotor_thrust_error,
+            efficiency: 0.65,
+        }
+    }
 }
 
 /// State.

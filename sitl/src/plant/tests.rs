@@ -5,7 +5,7 @@ fn plant(edit: impl FnOnce(&mut Scenario)) -> Plant {
     let mut scenario = Scenario::default();
     edit(&mut scenario);
     let (distance, heading) = scenario.start();
-    Plant::new(scenario.plant(), distance, heading, 1)
+    Plant::new(PlantModel::new(&scenario, 0.0), distance, heading, 1)
 }
 
 #[test]

@@ -56,7 +56,7 @@ macro_rules! unlimited {
         })+
     };
 }
-unlimited!(bool, u64, super::TetherKind, crate::plant::DisturbanceKind);
+unlimited!(bool, u64, super::TetherKind, super::DisturbanceKind);
 
 /// Declares all sections; see `sections.rs`.
 macro_rules! sections {

@@ -4,11 +4,11 @@
 //! keys are errors. Errors name file, key and allowed range. A key is one line of `sections.rs`.
 
 mod arithmetic;
-mod build;
 mod check;
 mod fault;
 mod key;
 mod mission;
+mod operator;
 pub mod params_file;
 mod sections;
 pub mod settings;
@@ -19,8 +19,8 @@ pub use fault::{FaultKind, FaultSection, Faults, Source};
 pub use key::Key;
 pub use mission::{Step, TautControl};
 pub use sections::{
-    BatterySection, CaptureSection, PushSection, RodSection, SensorSection, TetherKind,
-    TetherSection, VehicleSection, WindSection, keys,
+    BatterySection, CaptureSection, DisturbanceKind, PushSection, RodSection, SensorSection,
+    TetherKind, TetherSection, VehicleSection, WindSection, keys,
 };
 
 use serde::{Deserialize, Serialize};

@@ -1,7 +1,6 @@
 //! All keys of a scenario's sections. One line each: key, type, unit, default, range.
 
 use super::key::sections;
-use crate::plant::DisturbanceKind;
 use serde::{Deserialize, Serialize};
 
 /// Ground end of the tether.
@@ -33,6 +32,19 @@ impl TetherKind {
             Self::None => 4.0,
         }
     }
+}
+
+/// What pushes on the vehicle.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum DisturbanceKind {
+    /// Nothing pushes.
+    #[default]
+    None,
+    /// (-0.5, 0.5, -0.8) N.
+    Constant,
+    /// Filtered white noise, a new sample every 0.1 s.
+    Stochastic,
 }
 
 sections! {

@@ -3,7 +3,8 @@
 use super::plant::{PendulumPlant, PendulumTruth};
 use super::riccati::{NORMAL, SOFT, linear_gains};
 use super::run::{Flown, PendulumRun, PendulumTrace, Sensing};
-use crate::plant::{Disturbance, DisturbanceKind, GRAVITY};
+use crate::plant::{Disturbance, GRAVITY};
+use crate::scenario::DisturbanceKind;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 use tautline_firmware::control::pendulum::{

@@ -3,7 +3,7 @@
 use super::cases::{DISTURBANCES, add_error, mean, summaries, worst};
 use crate::bench::pendulum::{FilterSet, GainSet, PendulumScenario, PendulumSummary, Precision};
 use crate::experiment::{Compare, Report, Settings};
-use crate::plant::DisturbanceKind;
+use crate::scenario::DisturbanceKind;
 
 /// Seeds of a row with random numbers.
 const SEEDS: u64 = 6;

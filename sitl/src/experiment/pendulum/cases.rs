@@ -3,7 +3,7 @@
 use crate::bench::pendulum::{PendulumScenario, PendulumSummary, PendulumTrace};
 use crate::campaign::parallel;
 use crate::experiment::{Compare, Report, Settings};
-use crate::plant::DisturbanceKind;
+use crate::scenario::DisturbanceKind;
 
 /// The article's three, with their names.
 pub const DISTURBANCES: [(&str, DisturbanceKind); 3] = [

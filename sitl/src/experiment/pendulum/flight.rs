@@ -7,11 +7,10 @@ use crate::experiment::flown::why_lost;
 use crate::experiment::{Compare, Report, Settings};
 use crate::flight::Flight;
 use crate::metrics::PendulumFlightSummary;
-use crate::plant::DisturbanceKind;
 use crate::report::chart::{ESTIMATE, Line, Panel, Points, SETPOINT, TRUTH};
 use crate::report::grid::{self, grid};
 use crate::report::space::{Curve, curves};
-use crate::scenario::{Scenario, Step};
+use crate::scenario::{DisturbanceKind, Scenario, Step};
 use tautline_firmware::supervisor::Mode;
 
 /// Vehicle, motion capture, rod and mission of every row.

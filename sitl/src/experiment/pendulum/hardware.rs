@@ -3,10 +3,10 @@
 use super::cases::{add_error, mean, traces};
 use crate::bench::pendulum::{PendulumRow, PendulumScenario, PendulumTrace};
 use crate::experiment::{Compare, Report, Settings};
-use crate::plant::DisturbanceKind;
 use crate::report::chart::{ESTIMATE, Line, Panel, SETPOINT, THIRD, TRUTH};
 use crate::report::grid::grid;
 use crate::report::space::{Curve, curves};
+use crate::scenario::DisturbanceKind;
 
 /// Published mean error, cm, and mean speed, m/s.
 const PUBLISHED: (f64, f64) = (9.72, 0.51);

@@ -3,10 +3,10 @@
 use super::cases::{DISTURBANCES, add_error, mean, traces};
 use crate::bench::pendulum::{PendulumRow, PendulumScenario, PendulumTrace};
 use crate::experiment::{Compare, Report, Settings};
-use crate::plant::DisturbanceKind;
 use crate::report::chart::{ESTIMATE, Line, Panel, Points, SETPOINT, THIRD, TRUTH};
 use crate::report::grid::{self, grid};
 use crate::report::space::{Curve, curves};
+use crate::scenario::DisturbanceKind;
 use plotters::style::RGBColor;
 
 fn series(trace: &PendulumTrace, pick: impl Fn(&PendulumRow) -> f64) -> Points {

@@ -3,9 +3,9 @@
 use super::cases::{DISTURBANCES, mean, summaries};
 use crate::bench::pendulum::{FilterSet, GainSet, PendulumScenario};
 use crate::experiment::{Compare, Report, Settings};
-use crate::plant::DisturbanceKind;
 use crate::report::chart::{ESTIMATE, Line, Panel, Points, SETPOINT, THIRD, TRUTH};
 use crate::report::grid::{self, grid};
+use crate::scenario::DisturbanceKind;
 use plotters::prelude::SeriesLabelPosition;
 
 const SEEDS: u64 = 3;
