@@ -296,14 +296,7 @@ impl<'a> Host<'a> {
                 console.extend_from_slice(frame);
             });
         });
-        if let Some(walk) = self.mission.take_walk() {
-            environment.plant.anchor.go(walk);
-        }
-        if self.mission.take_catch()
-            && let Some(rod) = &mut environment.plant.rod
-        {
-            rod.catch();
-        }
+        self.mission.act_by_hand(&mut environment.plant);
         let mode = MODES.iter().find(|rule| rule.custom_mode == status.custom_mode);
         environment.release_rod(mode.map_or(Mode::TetherHold, |rule| rule.mode));
     }

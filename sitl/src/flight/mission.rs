@@ -1,7 +1,7 @@
 //! The built-in mission runner: flies a scenario's mission by MAVLink, as a ground station would.
 
 use super::MavlinkSender;
-use crate::plant::{V3, Walk};
+use crate::plant::{Plant, V3, Walk};
 use crate::scenario::{Step, TautControl};
 use mavlink::MessageData;
 use mavlink::dialects::common::{
@@ -115,14 +115,15 @@ impl MissionRunner {
         &self.progress
     }
 
-    /// A walk of the anchor that begins now.
-    pub fn take_walk(&mut self) -> Option<Walk> {
-        self.walk.take()
-    }
-
-    /// Whether a hand catches the rod now.
-    pub fn take_catch(&mut self) -> bool {
-        std::mem::take(&mut self.catches)
+    /// What people beside the vehicle do in the steps that began now: walk with the anchor, catch the rod.
+    pub fn act_by_hand(&mut self, plant: &mut Plant) {
+        if let Some(walk) = self.walk.take() {
+            plant.anchor.go(walk);
+        }
+        let catches = std::mem::take(&mut self.catches);
+        if let Some(rod) = plant.rod.as_mut().filter(|_| catches) {
+            rod.catch();
+        }
     }
 
     /// Whether a hold is being flown: the time to measure.

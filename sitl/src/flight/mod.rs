@@ -75,14 +75,7 @@ impl<W: Write> Flight<W> {
         let time = self.world.time();
         let world = &mut self.world;
         self.mission.step(&Status::of(&out), time, &mut |frame| world.receive(frame, send));
-        if let Some(walk) = self.mission.take_walk() {
-            self.world.environment.plant.anchor.go(walk);
-        }
-        if self.mission.take_catch()
-            && let Some(rod) = &mut self.world.environment.plant.rod
-        {
-            rod.catch();
-        }
+        self.mission.act_by_hand(&mut self.world.environment.plant);
         self.metrics.step(&out, &self.world.environment.plant, self.mission.is_holding());
         self.recorder.write(&out, &self.world.environment.plant);
         self.events.extend(out.events.iter().map(|event| (time, *event)));
