@@ -17,7 +17,7 @@ fn broken_in_hold(kind: FaultKind, value: f64) -> Flight<Vec<u8>> {
     });
     run(&mut flight, 5.0);
     let at = flight.world.now().0 as f64 * 1e-6;
-    flight.world.outside.faults.add(FaultSection { kind, at, duration: None, value });
+    flight.world.environment.faults.add(FaultSection { kind, at, duration: None, value });
     flight
 }
 
@@ -29,13 +29,13 @@ fn told(flight: &Flight<Vec<u8>>, text: &str) -> bool {
 fn down(flight: &mut Flight<Vec<u8>>, limit: f64) -> StepOutput {
     let out = until(flight, limit, |out| !out.is_armed);
     run(flight, 3.0);
-    assert!(flight.world.outside.plant.ground.is_touching(), "not on the ground");
-    assert!(flight.world.outside.plant.thrust() < 1.0, "motors still turn");
+    assert!(flight.world.environment.plant.ground.is_touching(), "not on the ground");
+    assert!(flight.world.environment.plant.thrust() < 1.0, "motors still turn");
     out
 }
 
 fn upright(flight: &Flight<Vec<u8>>) -> bool {
-    flight.world.outside.plant.body.tilt() < 0.3
+    flight.world.environment.plant.body.tilt() < 0.3
 }
 
 #[test]
@@ -69,7 +69,7 @@ fn a_lost_rangefinder_changes_to_the_barometer_and_nothing_else() {
     let out = run(&mut flight, 20.0);
     assert!(!out.sensors.altitude_is_ranged && out.sensors.altitude_is_fresh);
     assert_eq!((out.mode, out.failures), (Mode::TetherHold, 0));
-    assert!((flight.world.outside.plant.body.height() - 5.0).abs() < 1.0);
+    assert!((flight.world.environment.plant.body.height() - 5.0).abs() < 1.0);
 }
 
 #[test]
@@ -118,7 +118,7 @@ fn a_lost_link_ends_in_a_landing() {
     assert!(told(&flight, "Ground station lost"));
     down(&mut flight, 90.0);
     assert!(told(&flight, "Landed, disarmed"));
-    let p = flight.world.outside.plant.body.position;
+    let p = flight.world.environment.plant.body.position;
     assert!(p.x.hypot(p.y) < 2.0, "far from where it started: {p}");
 }
 
@@ -139,7 +139,7 @@ fn a_fault_on_the_ground_refuses_arming_and_a_fault_while_armed_there_disarms() 
     );
     until(&mut flight, 10.0, |out| out.is_armed);
     let at = flight.world.now().0 as f64 * 1e-6;
-    flight.world.outside.faults.add(FaultSection {
+    flight.world.environment.faults.add(FaultSection {
         kind: FaultKind::WinchSilent,
         at,
         duration: None,

@@ -4,7 +4,7 @@
 
 use tautline_firmware::signal::Event;
 use tautline_sitl::campaign::{Limits, fly};
-use tautline_sitl::pilot::Progress;
+use tautline_sitl::flight::Progress;
 use tautline_sitl::scenario::Scenario;
 use tautline_tests::flight;
 
@@ -52,7 +52,7 @@ fn the_same_seed_writes_the_same_log_byte_for_byte() {
             seed,
         );
         flight.fly(60.0);
-        assert_eq!(*flight.pilot.progress(), Progress::Done);
+        assert_eq!(*flight.mission.progress(), Progress::Done);
         flight.recorder.finish().unwrap()
     };
     let first = log(7);
@@ -75,7 +75,7 @@ fn heading_and_azimuth_follow_the_start_heading() {
         1,
     );
     flight.fly(60.0);
-    let p = flight.world.outside.plant.body.position;
+    let p = flight.world.environment.plant.body.position;
     assert!((p.y.atan2(p.x) - 1.2).abs() < 0.1, "{p}");
 }
 
@@ -86,6 +86,6 @@ fn a_takeoff_beyond_the_tether_is_refused_with_a_reason() {
     flight.fly(30.0);
     let told = |text: &str| flight.events.iter().any(|(_, e): &(f64, Event)| e.text.contains(text));
     assert!(told("Take-off refused: altitude beyond the tether"));
-    assert!(matches!(flight.pilot.progress(), Progress::Failed(_)));
-    assert!(flight.world.outside.plant.ground.is_touching());
+    assert!(matches!(flight.mission.progress(), Progress::Failed(_)));
+    assert!(flight.world.environment.plant.ground.is_touching());
 }

@@ -10,7 +10,7 @@ use tautline_firmware::estimate::localization::{
 use tautline_firmware::estimate::{Ekf4Measurement, Ekf4State, cable_reading};
 use tautline_firmware::frames::{Attitude, Body, V3};
 use tautline_firmware::math::GRAVITY;
-use tautline_sitl::localization::{LocalizationScenario, Setup, generate, run};
+use tautline_sitl::bench::localization::{LocalizationScenario, Setup, generate, run};
 
 const MASS: f64 = 0.45;
 const WEIGHT: f64 = MASS * GRAVITY;

@@ -177,7 +177,7 @@ fn a_position_target_moves_the_vehicle_and_a_nan_one_does_not() {
     assert!(texts(&heard).iter().any(|t| t.starts_with("Move refused")), "{:?}", texts(&heard));
     say(&mut flight, &target(6.0, 3.0, -6.0), 10);
     run(&mut flight, 25.0);
-    let p = flight.world.outside.plant.body.position;
+    let p = flight.world.environment.plant.body.position;
     assert!((p.x - 6.0).hypot(p.y - 3.0) < 0.8 && (p.z + 6.0).abs() < 0.4, "{p}");
 }
 
@@ -232,12 +232,12 @@ fn sticks_fly_altitude_mode_and_their_loss_ends_on_the_ground() {
         bytes(&mav::MANUAL_CONTROL_DATA { x: 0, y: 0, z: 500, r: 0, buttons: 0, target: 1 });
     say(&mut flight, &sticks, 10);
     assert_eq!(acknowledged(&say(&mut flight, &altitude, 10), 176), Some(0));
-    let before = flight.world.outside.plant.body.height();
+    let before = flight.world.environment.plant.body.height();
     for _ in 0..20 {
         say(&mut flight, &sticks, 100);
     }
-    assert!((flight.world.outside.plant.body.height() - before).abs() < 0.7);
+    assert!((flight.world.environment.plant.body.height() - before).abs() < 0.7);
     until(&mut flight, 5.0, |out| out.mode == Mode::Descent);
     until(&mut flight, 60.0, |out| !out.is_armed);
-    assert!(flight.world.outside.plant.body.tilt() < 0.3);
+    assert!(flight.world.environment.plant.body.tilt() < 0.3);
 }

@@ -23,7 +23,7 @@ use tautline_firmware::model::PendulumModel;
 use tautline_firmware::scalar::Scalar;
 use tautline_firmware::signal::LoadReference;
 use tautline_firmware::trajectory::load::{FadeIn, LoadMove, SoftStart, TiltedCircle};
-use tautline_sitl::pendulum::{PendulumScenario, Precision};
+use tautline_sitl::bench::pendulum::{PendulumScenario, Precision};
 use tautline_sitl::plant::{Generator, generator, uniform};
 
 struct Case {

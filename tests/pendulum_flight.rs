@@ -11,10 +11,9 @@ use tautline_firmware::param::Params;
 use tautline_firmware::signal::Severity;
 use tautline_firmware::supervisor::Mode;
 use tautline_firmware::time::Micros;
-use tautline_sitl::flight::Flight;
+use tautline_sitl::flight::{Flight, MavlinkSender};
 use tautline_sitl::plant::RodPhase;
 use tautline_sitl::scenario::{FaultKind, FaultSection, Scenario, Step};
-use tautline_sitl::voice::Voice;
 use tautline_tests::{HOLD, run, until};
 
 const SCENARIO: &str = include_str!("../sitl/scenarios/pendulum.toml");
@@ -38,7 +37,7 @@ fn balancing(change: impl FnOnce(&mut Scenario)) -> Flight<Vec<u8>> {
 
 fn break_now(flight: &mut Flight<Vec<u8>>, kind: FaultKind, duration: Option<f64>) {
     let at = flight.world.now().0 as f64 * 1e-6;
-    flight.world.outside.faults.add(FaultSection { kind, at, duration, value: 0.0 });
+    flight.world.environment.faults.add(FaultSection { kind, at, duration, value: 0.0 });
 }
 
 fn told(flight: &Flight<Vec<u8>>, text: &str) -> bool {
@@ -54,7 +53,7 @@ fn refusal(change: impl FnOnce(&mut Scenario)) -> String {
 
 #[test]
 fn a_load_is_balanced_along_the_circle_under_a_push_that_lifts() {
-    use tautline_sitl::pendulum::DisturbanceKind;
+    use tautline_sitl::scenario::DisturbanceKind;
     let mut flight = balancing(|s| s.push.kind = DisturbanceKind::Constant);
     run(&mut flight, 20.0);
     let figures = flight.metrics.summary();
@@ -79,9 +78,9 @@ fn a_load_at_rest_goes_where_a_position_target_sends_it() {
         target_component: 1,
         ..mav::SET_POSITION_TARGET_LOCAL_NED_DATA::default()
     };
-    let mut voice = Voice::new(255, 190);
+    let mut sender = MavlinkSender::new(255, 190);
     let mut say = |flight: &mut Flight<Vec<u8>>, z: f32| {
-        let bytes = voice.frame(&mav::SET_POSITION_TARGET_LOCAL_NED_DATA { z, ..target.clone() });
+        let bytes = sender.frame(&mav::SET_POSITION_TARGET_LOCAL_NED_DATA { z, ..target.clone() });
         flight.world.receive(&bytes, &mut |_| {});
         run(flight, 0.05);
     };
@@ -93,7 +92,7 @@ fn a_load_at_rest_goes_where_a_position_target_sends_it() {
     }
     assert!(!told(&flight, "on its way"));
     run(&mut flight, 12.0);
-    let plant = &flight.world.outside.plant;
+    let plant = &flight.world.environment.plant;
     let load = plant.rod.as_ref().unwrap().load(&plant.body.position);
     let off = (load - tautline_sitl::plant::V3::new(0.6, -0.4, -2.5)).norm();
     assert!(off < 0.05, "{off} m, {:?}", flight.events.last());
@@ -104,19 +103,19 @@ fn without_motion_capture_the_vehicle_hovers_level_then_descends() {
     let mut flight = balancing(|s| {
         s.params.insert("PND_SPEED".into(), 0.0);
     });
-    let height = flight.world.outside.plant.body.height();
+    let height = flight.world.environment.plant.body.height();
     break_now(&mut flight, FaultKind::CaptureLost, None);
     let out = until(&mut flight, 1.0, |out| out.mode == Mode::TetherHold);
     assert!(told(&flight, "Motion capture stale: hovering"));
     assert!(out.estimate.tether.is_none());
     // Three seconds of level hover.
     run(&mut flight, 2.5);
-    let body = &flight.world.outside.plant.body;
+    let body = &flight.world.environment.plant.body;
     assert!(body.tilt() < 0.1 && (body.height() - height).abs() < 0.6, "{}", body.height());
     until(&mut flight, 2.0, |out| out.mode == Mode::Descent);
     assert!(told(&flight, "Motion capture lost: descending"));
     until(&mut flight, 30.0, |out| !out.is_armed);
-    assert!(flight.world.outside.plant.ground.is_touching());
+    assert!(flight.world.environment.plant.ground.is_touching());
 }
 
 #[test]
@@ -126,8 +125,8 @@ fn a_rod_that_is_no_longer_seen_ends_in_a_hover_that_holds_its_place() {
     until(&mut flight, 1.0, |out| out.mode == Mode::TetherHold);
     assert!(told(&flight, "Motion capture stale: hovering"));
     let out = run(&mut flight, 6.0);
-    let off =
-        flight.world.outside.plant.body.position - out.reference.unwrap().position.0.map(f64::from);
+    let off = flight.world.environment.plant.body.position
+        - out.reference.unwrap().position.0.map(f64::from);
     assert!(off.norm() < 0.1, "{off}");
     assert_eq!(out.mode, Mode::TetherHold);
 }
@@ -145,13 +144,13 @@ fn a_gap_shorter_than_the_timeout_is_flown_through() {
 fn a_rod_that_falls_ends_in_a_hover() {
     // Somebody pulls it over: further than thrust and rates can bring back.
     let mut flight = balancing(|_| {});
-    flight.world.outside.plant.rod.as_mut().unwrap().rate =
+    flight.world.environment.plant.rod.as_mut().unwrap().rate =
         tautline_sitl::plant::V3::new(25.0, 0.0, 0.0);
     let out = until(&mut flight, 2.0, |out| out.mode == Mode::TetherHold);
     let why = ["Pendulum fell: hovering", "Pendulum too far off: hovering"];
     assert!(why.iter().any(|text| told(&flight, text)), "{:?} {:?}", out.mode, flight.events);
     run(&mut flight, 8.0);
-    let plant = &flight.world.outside.plant;
+    let plant = &flight.world.environment.plant;
     assert_eq!(plant.rod.as_ref().unwrap().phase, RodPhase::Fallen);
     assert!(plant.body.tilt() < 0.2 && plant.body.height() > 0.5, "{:?}", plant.body);
 }
@@ -176,7 +175,7 @@ fn the_mode_is_refused_unless_the_rod_stands_upright_and_is_seen() {
 #[test]
 fn gains_that_lose_the_proof_are_told_when_they_are_set() {
     let mut flight = flown(|_| {}, &[]);
-    let mut voice = Voice::new(255, 190);
+    let mut sender = MavlinkSender::new(255, 190);
     let mut set = |flight: &mut Flight<Vec<u8>>, name: &str, value: f32| {
         let message = mav::PARAM_SET_DATA {
             param_value: value,
@@ -185,7 +184,7 @@ fn gains_that_lose_the_proof_are_told_when_they_are_set() {
             param_id: CharArray::from(name),
             param_type: mav::MavParamType::MAV_PARAM_TYPE_REAL32,
         };
-        let bytes = voice.frame(&message);
+        let bytes = sender.frame(&message);
         flight.world.receive(&bytes, &mut |_| {});
         run(flight, 0.05);
     };
@@ -198,7 +197,7 @@ fn gains_that_lose_the_proof_are_told_when_they_are_set() {
 
 fn heard<D: MessageData>(message: &D) -> Link {
     let mut link = Link::new();
-    let bytes = Voice::new(200, 197).frame(message);
+    let bytes = MavlinkSender::new(200, 197).frame(message);
     link.receive_datagram(Micros(1000), &bytes, &Params::default(), &mut |_| {});
     link
 }

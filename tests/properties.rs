@@ -9,7 +9,7 @@ use tautline_firmware::math::so3;
 use tautline_firmware::param::Params;
 use tautline_firmware::sense::Mounting;
 use tautline_firmware::signal::SphericalPoint;
-use tautline_sitl::plant::{Generator, Plant, generator, uniform};
+use tautline_sitl::plant::{Generator, Plant, PlantModel, generator, uniform};
 use tautline_sitl::scenario::{Scenario, TetherKind};
 
 fn random_vector(rng: &mut Generator, size: f64) -> V3<f64> {
@@ -61,7 +61,7 @@ fn at_rest_on_a_taut_tether_the_accelerometer_shows_down_and_the_filter_its_pull
     scenario.tether.line_density = 0.0;
     scenario.tether.attachment = 0.0;
     scenario.tether.diameter = 0.0;
-    let mut plant = Plant::new(scenario.plant(), 1.0, 0.0, 1);
+    let mut plant = Plant::new(PlantModel::new(&scenario, 0.0), 1.0, 0.0, 1);
     let mut rng = generator(3, 0);
     for _ in 0..50 {
         let length = scenario.tether.length;

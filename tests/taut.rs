@@ -14,9 +14,8 @@ use tautline_firmware::signal::PlanarReference;
 use tautline_firmware::signal::{Action, Outcome, Request, Ticket};
 use tautline_firmware::supervisor::{GroundState, Mode};
 use tautline_firmware::vehicle::StepInput;
-use tautline_sitl::experiment::{Ask, find};
-use tautline_sitl::flight::Flight;
-use tautline_sitl::pilot::Progress;
+use tautline_sitl::experiment::{Settings, find};
+use tautline_sitl::flight::{Flight, Progress};
 use tautline_tests::{flight, run, until};
 
 /// Vehicle, link and parameters of the taut-link scenario, without its mission.
@@ -50,8 +49,8 @@ fn heard(flight: &Flight<Vec<u8>>, text: &str) -> bool {
 
 #[test]
 fn one_seed_of_every_flight_row_keeps_its_limits() {
-    let ask = Ask { sets: vec![("seeds".into(), "1".into())], seed: 3 };
-    let report = (find("taut-flight").unwrap().run)(&ask).unwrap();
+    let settings = Settings { sets: vec![("seeds".into(), "1".into())], seed: 3 };
+    let report = (find("taut-flight").unwrap().run)(&settings).unwrap();
     for line in &report.lines {
         assert!(line.passes(), "{}", line.text());
     }
@@ -68,7 +67,7 @@ fn a_slack_hover_calibrates_the_thrust_and_the_vehicle_goes_out_until_the_link_p
         let out = flight.step(&mut |_| {});
         told = out.reply.and_then(|reply| reply.parameter);
         if flight.world.time() > 10.0 {
-            real += flight.world.outside.plant.thrust();
+            real += flight.world.environment.plant.thrust();
             commanded += f64::from(out.estimate.thrust);
         }
         assert!(flight.world.time() < 30.0, "{:?}", flight.events);
@@ -81,7 +80,7 @@ fn a_slack_hover_calibrates_the_thrust_and_the_vehicle_goes_out_until_the_link_p
     let summary = flight.metrics.summary();
     assert_eq!(summary.lost, None);
     assert!(summary.taut.unwrap().elevation_rms_rad < 0.05, "{summary:?}");
-    assert_eq!(*flight.pilot.progress(), Progress::Done);
+    assert_eq!(*flight.mission.progress(), Progress::Done);
 }
 
 /// There is no position yet, so neither a hold nor a landing by position may begin.
@@ -169,7 +168,7 @@ fn a_tether_set_point_becomes_a_smooth_move_of_elevation_and_force() {
         })
     });
     run(&mut flight, 4.0);
-    assert!((flight.world.outside.plant.tether.tension - 8.0).abs() < 1.0);
+    assert!((flight.world.environment.plant.tether.tension - 8.0).abs() < 1.0);
     assert!(!heard(&flight, "refused"), "{:?}", flight.events);
 }
 
@@ -231,7 +230,7 @@ fn a_broken_cable_in_a_taut_link_mode_ends_in_a_descent_to_the_ground() {
     until(&mut flight, 60.0, |out| out.mode == Mode::Descent);
     until(&mut flight, 60.0, |out| !out.is_armed);
     assert!(heard(&flight, "Tether slack: descending"));
-    assert!(flight.world.outside.plant.ground.is_touching());
+    assert!(flight.world.environment.plant.ground.is_touching());
 }
 
 #[test]

@@ -204,7 +204,7 @@ fn the_tether_is_held_while_the_anchor_walks_and_the_mode_ends_in_a_hold() {
     let mut flight = flight(text, 3);
     until(&mut flight, 60.0, |out| out.mode == Mode::TetherAngle);
     until(&mut flight, 60.0, |out| out.mode == Mode::TetherHold);
-    let walked = flight.world.outside.plant.anchor.position;
+    let walked = flight.world.environment.plant.anchor.position;
     assert!((walked - tautline_sitl::plant::V3::new(1.0, 0.0, 0.0)).norm() < 1e-6);
     until(&mut flight, 60.0, |out| !out.is_armed);
     let summary = flight.metrics.summary();
@@ -224,7 +224,7 @@ fn a_move_in_elevation_and_azimuth_is_flown_by_inertia_alone() {
     let mut flight = fly(&head, &format!("{step}{STAY}{fault}"));
     until(&mut flight, 60.0, |out| out.mode == Mode::TetherAngle);
     run(&mut flight, 10.0);
-    let end = flight.world.outside.plant.end();
+    let end = flight.world.environment.plant.end();
     let wanted =
         V3::new(0.4_f64.cos() * 1.0_f64.cos(), 0.4_f64.sin() * 1.0_f64.cos(), -1.0_f64.sin());
     let off = (end.normalize() - wanted).norm();

@@ -2,39 +2,37 @@
 //!
 //! The plant is written apart from the estimators' models and imports nothing of them: a sign error in
 //! shared code would cancel and pass. Sensors are register-level fakes read by the real drivers. One
-//! [`world::World::step`] is one millisecond: plant → sensors → drivers → `Vehicle::step` → ESCs.
+//! [`flight::World::step`] is one millisecond: plant → sensors → drivers → `Vehicle::step` → ESCs.
 //! The same seed gives the same flight, bit for bit.
+//!
+//! Rooms, each using only those before it:
+//!
+//! | room | |
+//! |---|---|
+//! | [`scenario`] | what is simulated: the TOML file, its faults, parameter files |
+//! | [`plant`] | the physical world |
+//! | [`sensor`] | truth → errors → registers → drivers |
+//! | [`metrics`] | how well it was flown, against the truth |
+//! | [`flight`] | one flight: world, mission, log |
+//! | [`emulated`] | the same flight with an image under QEMU |
+//! | [`campaign`] | one flight over many seeds |
+//! | [`mod@bench`] | the papers' small worlds |
+//! | [`report`] | pictures |
+//! | [`sysid`] | thrust identification |
+//! | [`experiment`] | the papers' results |
+//! | [`command`] | the command line |
 
 #![forbid(unsafe_code)]
 
-pub mod angle_metrics;
-pub mod autopilot;
-pub mod beside;
+pub mod bench;
 pub mod campaign;
 pub mod command;
 pub mod emulated;
 pub mod experiment;
 pub mod flight;
-pub mod inject;
-pub mod integrate;
-pub mod localization;
 pub mod metrics;
-pub mod outside;
-pub mod parallel;
-pub mod params_file;
-pub mod pendulum;
-pub mod pendulum_metrics;
-pub mod pilot;
-pub mod planar;
 pub mod plant;
-pub mod record;
 pub mod report;
 pub mod scenario;
 pub mod sensor;
-pub mod settings;
 pub mod sysid;
-pub mod taut_metrics;
-pub mod tether_angle;
-pub mod udp;
-pub mod voice;
-pub mod world;

@@ -4,7 +4,7 @@
 use super::inertial::SINGLE;
 use super::{Check, cases, list, num};
 use serde_json::Value;
-use tautline_sitl::tether_angle::{
+use tautline_sitl::bench::tether_angle::{
     Acting, AnchorMotion, AngleFeedback, AngleScenario, Motion, Plane, PlaneModel, Setting,
     SpatialTrace, ThrustDrop, fly, fly_spatial, linearise, sensitivity,
 };
@@ -221,14 +221,15 @@ pub fn closed_loops(file: &Value) {
             _ => continue,
         }
         let exact = s.accel_noise == 0.0 && s.gyro_noise == 0.0;
-        let near = |key: &str, pick: fn(&tautline_sitl::tether_angle::AngleSummary) -> f64| {
-            let Some((want, range)) = reference_spread(c, key) else { return };
-            let ours: Vec<f64> = flown.iter().map(|r| pick(r).to_degrees()).collect();
-            let (got, own) = spread(&ours).unwrap();
-            let band = if exact { 0.03 } else { 0.25 * want.abs() + range + own + 0.3 };
-            println!("{name}: {key} {got:.2}, reference {want:.2}");
-            assert!((got - want).abs() <= band, "{name}: {key} {ours:?}, reference {want}");
-        };
+        let near =
+            |key: &str, pick: fn(&tautline_sitl::bench::tether_angle::AngleSummary) -> f64| {
+                let Some((want, range)) = reference_spread(c, key) else { return };
+                let ours: Vec<f64> = flown.iter().map(|r| pick(r).to_degrees()).collect();
+                let (got, own) = spread(&ours).unwrap();
+                let band = if exact { 0.03 } else { 0.25 * want.abs() + range + own + 0.3 };
+                println!("{name}: {key} {got:.2}, reference {want:.2}");
+                assert!((got - want).abs() <= band, "{name}: {key} {ours:?}, reference {want}");
+            };
         near("est_rmse_ths_deg", |r| r.angle);
         near("est_rmse_thv_deg", |r| r.tilt);
         near("bias_ths_deg", |r| r.bias);

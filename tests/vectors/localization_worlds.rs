@@ -6,10 +6,10 @@ use super::{Check, cases, folder, list, num};
 use serde_json::Value;
 use tautline_firmware::estimate::localization::ErrorStateNoise;
 use tautline_firmware::math::GRAVITY;
-use tautline_sitl::localization::{
+use tautline_sitl::bench::localization::{
     Accuracy, CableVehicle, LocalizationScenario, Outcome, Sample, Setup, generate, run,
 };
-use tautline_sitl::parallel;
+use tautline_sitl::campaign::parallel;
 use tautline_sitl::plant::V3;
 
 /// Groups checked here.
@@ -68,7 +68,7 @@ pub fn recorded(file: &Value) {
     let out = run(&samples, &setup);
     let mut check = Check::new(1e-6);
     for (from, pick) in [
-        ("from_0s", (|t| t.whole) as fn(&tautline_sitl::localization::Track) -> Accuracy),
+        ("from_0s", (|t| t.whole) as fn(&tautline_sitl::bench::localization::Track) -> Accuracy),
         ("from_5s", |t| t.settled),
     ] {
         let theirs = &c[from];

@@ -10,10 +10,12 @@ use tautline_firmware::estimate::pendulum::{
 };
 use tautline_firmware::frames::V3;
 use tautline_firmware::trajectory::load::TiltedCircle;
-use tautline_sitl::pendulum::{
-    Disturbance, DisturbanceKind, Flown, PendulumAction, PendulumPlant, PendulumRun, PendulumTrace,
-    PendulumTruth, STATES, Sensing, linear_gains,
+use tautline_sitl::bench::pendulum::{
+    Flown, PendulumAction, PendulumPlant, PendulumRun, PendulumTrace, PendulumTruth, STATES,
+    Sensing, linear_gains,
 };
+use tautline_sitl::plant::Disturbance;
+use tautline_sitl::scenario::DisturbanceKind;
 
 fn array(v: &Value, key: &str) -> [f64; STATES] {
     list(v, key).try_into().unwrap()
@@ -134,7 +136,7 @@ fn run(c: &Value) -> PendulumRun<f64> {
             vertical: (num(o, "e1_wn") > 0.0)
                 .then(|| VerticalDisturbance { bandwidth: num(o, "e1_wn") }),
         },
-        belief: Some(belief),
+        initial: Some(belief),
         law,
         circle: TiltedCircle::article(num(o, "speed")),
         is_hovering: num(o, "hover") != 0.0,

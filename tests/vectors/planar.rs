@@ -13,7 +13,7 @@ use tautline_firmware::math::{gains_from_poles, wrap_pi};
 use tautline_firmware::model::{PlanarModel, PlanarState};
 use tautline_firmware::scalar::Scalar;
 use tautline_firmware::trajectory::{Smoothness, ThrustBranch};
-use tautline_sitl::planar::{PlanarPlant, PlanarPlantModel};
+use tautline_sitl::bench::planar::{PlanarPlant, PlanarPlantModel};
 
 /// How a group is checked.
 type Checker = fn(&mut Check, &str, &Value, &Value);

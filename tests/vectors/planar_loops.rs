@@ -2,7 +2,7 @@
 
 use super::{list, num};
 use serde_json::Value;
-use tautline_sitl::planar::{
+use tautline_sitl::bench::planar::{
     BranchChoice, Feedback, InversionKind, LawKind, PlanarScenario, Residual, SmoothKind,
     UpdateKind, fly,
 };

@@ -2,8 +2,7 @@
 
 use super::Failure;
 use crate::emulated::{self, Outcome, Plan, Telemetry};
-use crate::flight::Flight;
-use crate::pilot::Progress;
+use crate::flight::{Flight, Progress};
 use crate::scenario::Scenario;
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
@@ -48,7 +47,7 @@ pub struct Options {
     out: PathBuf,
 }
 
-/// What the image may suffer.
+/// What may be injected into the image.
 #[derive(Clone, Copy, Debug, ValueEnum)]
 enum InjuryKind {
     /// An access that no bus answers
@@ -90,7 +89,7 @@ pub fn run(options: &Options) -> Result<(), Failure> {
         say!("The second run is the same to the byte ({:016x}).", again.digest);
     }
     if injury.is_some() {
-        return judge_injury(&there);
+        return evaluate_injury(&there);
     }
     if options.telemetry.is_some() {
         return Ok(());
@@ -121,9 +120,9 @@ fn report(there: &Outcome) {
     say!("Stack: {} of {} bytes.", counts.stack, counts.stack_room);
 }
 
-fn judge_injury(there: &Outcome) -> Result<(), Failure> {
-    let told = there.texts.iter().find(|(_, text)| text.starts_with("Reset:"));
-    match (there.stopped_after, told) {
+fn evaluate_injury(there: &Outcome) -> Result<(), Failure> {
+    let reset = there.texts.iter().find(|(_, text)| text.starts_with("Reset:"));
+    match (there.stopped_after, reset) {
         (Some(after), Some((_, text))) if after < 1.5e-3 => {
             say!(
                 "Motors stopped {:.1} ms after the injury; told after the reset: {text}",
@@ -146,13 +145,13 @@ fn compare(
     let mut here = Flight::new(scenario, params, options.seed, std::io::sink())
         .map_err(|e| Failure::Usage(e.to_string()))?;
     here.fly(options.duration);
-    let position = here.world.outside.plant.from_anchor();
+    let position = here.world.environment.plant.from_anchor();
     let apart = (position - there.position).norm();
     let show = |p: &crate::plant::V3| format!("{:.3} {:.3} {:.3}", p.x, p.y, p.z);
     say!("            {:>26}  {:>26}", "on this machine", "on the emulated board");
     say!(
         "mission     {:>26}  {:>26}",
-        show_progress(here.pilot.progress()),
+        show_progress(here.mission.progress()),
         show_progress(&there.progress)
     );
     say!("ended at    {:>24.2} s  {:>24.2} s", here.world.time(), there.time);

@@ -1,7 +1,7 @@
 //! `cargo sitl experiment`.
 
 use super::Failure;
-use crate::experiment::{Ask, EXPERIMENTS, Experiment, find};
+use crate::experiment::{EXPERIMENTS, Experiment, Settings, find};
 use clap::Args;
 use std::fs;
 use std::path::PathBuf;
@@ -51,13 +51,13 @@ pub fn run(options: &Options) -> Result<(), Failure> {
             None => Err(Failure::Usage(format!("--set {set}: not PATH=VALUE"))),
         })
         .collect::<Result<Vec<_>, _>>()?;
-    show(experiment, options, Ask { sets, seed: options.seed })
+    show(experiment, options, Settings { sets, seed: options.seed })
 }
 
-fn show(experiment: &Experiment, options: &Options, ask: Ask) -> Result<(), Failure> {
-    let report = (experiment.run)(&ask).map_err(Failure::Usage)?;
+fn show(experiment: &Experiment, options: &Options, settings: Settings) -> Result<(), Failure> {
+    let report = (experiment.run)(&settings).map_err(Failure::Usage)?;
     if options.json {
-        say!("{}", report.json(experiment.key, ask.seed, &ask.sets));
+        say!("{}", report.json(experiment.key, settings.seed, &settings.sets));
     } else {
         say!("{} ({}): {}", experiment.paper, experiment.figure, experiment.about);
         for line in &report.lines {

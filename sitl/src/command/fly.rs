@@ -2,12 +2,8 @@
 
 use super::Failure;
 use super::status::StatusLine;
-use crate::autopilot::{Arithmetic, Autopilot};
-use crate::flight::Flight;
-use crate::params_file;
-use crate::pilot::Progress;
-use crate::scenario::{Scenario, Step, TetherKind, set_param};
-use crate::udp::Udp;
+use crate::flight::{Autopilot, Flight, Progress, Udp};
+use crate::scenario::{Arithmetic, Scenario, Step, TetherKind, params_file, set_param};
 use clap::Args;
 use std::fs::{self, File};
 use std::io::BufWriter;
@@ -18,7 +14,7 @@ use std::time::{Duration, Instant};
 use tautline_firmware::fixed::saturation;
 use tautline_firmware::param::Params;
 
-/// Network and pace are looked at every so many simulated milliseconds.
+/// Network and pace are served every so many simulated milliseconds.
 const CHUNK_MS: u64 = 4;
 
 /// Options of a flight.
@@ -236,11 +232,11 @@ fn simulate(
     stop: &AtomicBool,
 ) {
     let factor = options.speedup.unwrap_or(if options.headless { 0.0 } else { 1.0 });
-    let has_mission = *flight.pilot.progress() == Progress::Flying;
+    let has_mission = *flight.mission.progress() == Progress::Flying;
     let mut status = StatusLine::new();
     let limit = options.duration.unwrap_or(f64::INFINITY);
     let began = Instant::now();
-    let mut told = 0;
+    let mut printed = 0;
     while !stop.load(Ordering::Relaxed)
         && flight.world.time() < limit
         && !(has_mission && flight.is_over())
@@ -262,10 +258,10 @@ fn simulate(
                 }
             }));
         }
-        for (time, event) in flight.events.iter().skip(told) {
-            status.say(&format!("{time:7.1} s  {}", event.text));
+        for (time, event) in flight.events.iter().skip(printed) {
+            status.print(&format!("{time:7.1} s  {}", event.text));
         }
-        told = flight.events.len();
+        printed = flight.events.len();
         if let (false, Some(out)) = (options.headless, &last) {
             status.show(&flight.world, out);
         }
@@ -303,7 +299,7 @@ fn finish(
     if let Autopilot::Q16(_) = flight.world.vehicle {
         say!("Fixed point: {} operations saturated.", saturation::count());
     }
-    let progress = flight.pilot.progress().clone();
+    let progress = flight.mission.progress().clone();
     let summary = flight.metrics.summary();
     if let Ok(json) = serde_json::to_string(&summary) {
         say!("Against the truth: {json}");

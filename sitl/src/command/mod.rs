@@ -88,7 +88,7 @@ pub fn run() -> ExitCode {
         Some(Command::Params) => {
             say!(
                 "{}",
-                crate::params_file::to_text(&tautline_firmware::param::Params::default())
+                crate::scenario::params_file::to_text(&tautline_firmware::param::Params::default())
                     .trim_end()
             );
             Ok(())

@@ -1,6 +1,6 @@
 //! The live status line; plain lines, and fewer, when nobody watches a terminal.
 
-use crate::world::World;
+use crate::flight::World;
 use std::io::{IsTerminal, Write};
 use std::time::{Duration, Instant};
 use tautline_firmware::vehicle::StepOutput;
@@ -53,7 +53,7 @@ impl StatusLine {
     }
 
     /// A message of its own line.
-    pub fn say(&mut self, message: &str) {
+    pub fn print(&mut self, message: &str) {
         self.close();
         say!("{message}");
     }

@@ -1,8 +1,7 @@
 //! `cargo sitl sysid`.
 
 use super::Failure;
-use crate::params_file;
-use crate::scenario::set_param;
+use crate::scenario::{params_file, set_param};
 use crate::sysid::{
     AHEAD, Identified, Prepared, PwmRange, RATE, Record, ThrustFit, draw_predictions,
     fit_thrust_map, from_log, identify, prepare, read_csv, recommend,
@@ -48,7 +47,7 @@ fn pwm_range(options: &Options, record: &Record) -> Result<PwmRange, String> {
     Ok(PwmRange { low, high })
 }
 
-/// Identifies and says what it found.
+/// Identifies and prints the result.
 pub fn run(options: &Options) -> Result<(), Failure> {
     let mut before = Params::default();
     let is_log = options.file.extension().is_some_and(|e| e == "ulg");
@@ -71,10 +70,10 @@ pub fn run(options: &Options) -> Result<(), Failure> {
     }
     let write =
         |path: &Path, e: &dyn std::fmt::Display| Failure::Run(format!("{}: {e}", path.display()));
-    // The table stands without the map; whoever asked for the map, or named its range, must hear.
-    let wanted = options.out.is_some() || options.pwm_range.is_some();
+    // The table stands without the map; a map that was requested, or whose range was named, may not fail silently.
+    let is_requested = options.out.is_some() || options.pwm_range.is_some();
     let map = match map {
-        Err(e) if wanted => return Err(named(e)),
+        Err(e) if is_requested => return Err(named(e)),
         map => map.ok(),
     };
     if let (Some(path), Some(map)) = (&options.out, &map) {

@@ -1,6 +1,6 @@
 //! The board's buses: each question goes to the fake that the simulator's own drivers would use.
 
-use crate::outside::Outside;
+use crate::flight::Environment;
 use embedded_hal::delay::DelayNs;
 use embedded_hal::i2c::{I2c, Operation as I2cOperation};
 use embedded_hal::pwm::SetDutyCycle;
@@ -28,7 +28,7 @@ const RANGE: std::ops::Range<u32> = 0x4000..0x1_0000;
 #[derive(Debug)]
 pub struct Devices {
     /// World and sensors.
-    pub outside: Outside,
+    pub environment: Environment,
     /// On the motor outputs.
     pub escs: [FakeEsc; MOTORS],
     /// Pulses as last written, shares of the period.
@@ -41,14 +41,14 @@ impl Devices {
     ///
     /// # Errors
     /// When they do not fit.
-    pub fn new(outside: Outside, params: &Params, protocol: Protocol) -> io::Result<Self> {
+    pub fn new(environment: Environment, params: &Params, protocol: Protocol) -> io::Result<Self> {
         let flash = FakeFlash::<SECTOR, WORD>::new(4, 1);
         let wrong = |e| io::Error::other(format!("parameter flash: {e:?}"));
         let store = ParameterStore::try_new(flash, RANGE).map_err(wrong)?;
         let (mut settings, _) = Settings::load(store, Params::default()).map_err(wrong)?;
         while settings.store_next(params).map_err(wrong)? {}
-        let escs = std::array::from_fn(|_| FakeEsc::new(outside.clock().clone(), protocol));
-        Ok(Self { outside, escs, pulses: [0; MOTORS], flash: Some(settings.into_flash()) })
+        let escs = std::array::from_fn(|_| FakeEsc::new(environment.clock().clone(), protocol));
+        Ok(Self { environment, escs, pulses: [0; MOTORS], flash: Some(settings.into_flash()) })
     }
 
     /// The parameters in the flash, as a board would load them.
@@ -71,7 +71,7 @@ impl Devices {
     /// When the board has gone.
     pub fn serve(&mut self, ask: &Ask, pipe: &mut Pipe) -> io::Result<bool> {
         let mut buffer = [0_u8; 512];
-        let (imu, barometer, range, pins) = self.outside.sensors.buses();
+        let (imu, barometer, range, pins) = self.environment.sensors.buses();
         match *ask {
             Ask::Spi(out) => {
                 let Some(bytes) = buffer.get_mut(..out.len()) else { return Ok(false) };
@@ -104,7 +104,7 @@ impl Devices {
                     (pins.0.read_millivolts(), pins.1.read_millivolts());
                 pipe.reply(&Reply::Pins(voltage, current))?;
             }
-            Ask::Delay(ns) => self.outside.clock().clone().delay_ns(ns),
+            Ask::Delay(ns) => self.environment.clock().clone().delay_ns(ns),
             Ask::Motors(pulses) => self.drive(pulses),
             Ask::FlashRead { at, length } => {
                 let bytes = buffer.get_mut(..usize::from(length));

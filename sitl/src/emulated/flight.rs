@@ -3,11 +3,9 @@
 use super::devices::Devices;
 use super::pipe::{Pipe, decode};
 use super::qemu::{Qemu, Telemetry};
-use crate::outside::Outside;
-use crate::pilot::{Pilot, Progress};
+use crate::flight::{Environment, MavlinkSender, MissionRunner, Progress};
 use crate::plant::V3;
-use crate::scenario::{FaultKind, Scenario};
-use crate::voice::Voice;
+use crate::scenario::{FaultKind, Scenario, Source};
 use mavlink::dialects::common::{HEARTBEAT_DATA, MavType, STATUSTEXT_DATA, WINCH_STATUS_DATA};
 use mavlink::{MavlinkVersion, MessageData};
 use std::io::{self, Write};
@@ -24,7 +22,7 @@ use tautline_firmware::supervisor::{MODES, Mode};
 const EPILOGUE: f64 = 2.0;
 /// Bytes that go into the console port in a millisecond.
 const CONSOLE: usize = 300;
-/// System id of the winch that speaks.
+/// System id of the winch.
 const WINCH: u32 = 20;
 /// Of the ground station.
 const GROUND: u32 = 255;
@@ -45,7 +43,7 @@ pub struct Plan<'a> {
     pub seed: u64,
     /// Simulated seconds at most.
     pub limit: f64,
-    /// Suffer this at that time, s.
+    /// What to inject, and when, s.
     pub injury: Option<(f64, Injury)>,
     /// Where USART1 goes; a real client wants real time.
     pub telemetry: Telemetry,
@@ -66,7 +64,7 @@ pub struct Outcome {
     pub estimate_rms: Option<f64>,
     /// Instructions, stack, lost outputs.
     pub counts: Counts,
-    /// What STATUSTEXT said on the console port, with times, s.
+    /// STATUSTEXT messages on the console port, with times, s.
     pub texts: Vec<(f64, String)>,
     /// From the injury to the first stop pulses, s.
     pub stopped_after: Option<f64>,
@@ -83,9 +81,9 @@ pub struct Outcome {
 struct Host<'a> {
     plan: &'a Plan<'a>,
     devices: Devices,
-    pilot: Pilot,
-    winch: Voice,
-    ground: Voice,
+    mission: MissionRunner,
+    winch: MavlinkSender,
+    ground: MavlinkSender,
     parser: Parser,
     console: Vec<u8>,
     status: Status,
@@ -98,7 +96,7 @@ struct Host<'a> {
     out: Outcome,
 }
 
-/// Flies.
+/// Flies the plan.
 ///
 /// # Errors
 /// When QEMU, its image or a file fails; a mission that fails is an [`Outcome`].
@@ -107,7 +105,7 @@ pub fn fly(plan: &Plan) -> io::Result<Outcome> {
     let (qemu, mut pipe) = Qemu::start(plan.image, plan.folder, plan.telemetry, !is_real_time)?;
     let mut host = Host::new(plan)?;
     loop {
-        let message = pipe.ask()?;
+        let message = pipe.receive()?;
         let ask = decode(&message)?;
         if host.devices.serve(&ask, &mut pipe)? {
             if matches!(ask, Ask::Motors(_)) {
@@ -116,9 +114,9 @@ pub fn fly(plan: &Plan) -> io::Result<Outcome> {
             continue;
         }
         match ask {
-            Ask::Console(bytes) => host.hear(bytes),
+            Ask::Console(bytes) => host.receive_console(bytes),
             Ask::Log(bytes) => host.out.log.extend_from_slice(bytes),
-            Ask::Status(status) => host.see(&status),
+            Ask::Status(status) => host.update(&status),
             Ask::Counts(counts) => host.out.counts = counts,
             Ask::Advance if host.is_over() => {
                 pipe.reply(&Reply::End)?;
@@ -134,7 +132,7 @@ pub fn fly(plan: &Plan) -> io::Result<Outcome> {
         }
     }
     // The last counts.
-    while let Ok(message) = pipe.ask() {
+    while let Ok(message) = pipe.receive() {
         if let Ask::Counts(counts) = decode(&message)? {
             host.out.counts = counts;
         }
@@ -150,11 +148,11 @@ pub fn fly(plan: &Plan) -> io::Result<Outcome> {
 
 impl<'a> Host<'a> {
     fn new(plan: &'a Plan<'a>) -> io::Result<Self> {
-        let outside = Outside::new(plan.scenario, &plan.params, plan.seed);
-        let devices = Devices::new(outside, &plan.params, protocol(&plan.params))?;
-        let pilot = Pilot::new(&plan.scenario.mission, plan.params.system_id as u8);
+        let environment = Environment::new(plan.scenario, &plan.params, plan.seed);
+        let devices = Devices::new(environment, &plan.params, protocol(&plan.params))?;
+        let mission = MissionRunner::new(&plan.scenario.mission, plan.params.system_id as u8);
         let out = Outcome {
-            progress: pilot.progress().clone(),
+            progress: mission.progress().clone(),
             position: V3::zeros(),
             top: 0.0,
             time: 0.0,
@@ -170,9 +168,9 @@ impl<'a> Host<'a> {
         Ok(Self {
             plan,
             devices,
-            pilot,
-            winch: Voice::new(WINCH, 1),
-            ground: Voice::new(GROUND, 1),
+            mission,
+            winch: MavlinkSender::new(WINCH, 1),
+            ground: MavlinkSender::new(GROUND, 1),
             parser: Parser::new(),
             console: Vec::new(),
             status: Status::default(),
@@ -187,7 +185,7 @@ impl<'a> Host<'a> {
     }
 
     fn time(&self) -> f64 {
-        self.devices.outside.time()
+        self.devices.environment.time()
     }
 
     fn is_over(&mut self) -> bool {
@@ -199,8 +197,8 @@ impl<'a> Host<'a> {
             return true;
         }
         // Without a mission somebody at the telemetry port flies, for as long as they like.
-        let is_flown_outside = self.plan.scenario.mission.is_empty();
-        if is_flown_outside || *self.pilot.progress() == Progress::Flying {
+        let is_flown_by_others = self.plan.scenario.mission.is_empty();
+        if is_flown_by_others || *self.mission.progress() == Progress::Flying {
             return false;
         }
         time > *self.ended_at.get_or_insert(time) + EPILOGUE
@@ -214,30 +212,36 @@ impl<'a> Host<'a> {
         }
     }
 
-    /// One millisecond of world, then the board's turn.
-    fn advance(&mut self, pipe: &mut Pipe) -> io::Result<()> {
+    /// One millisecond of world, with what the companions send in it.
+    fn step_world(&mut self) {
         if !self.has_begun {
             self.has_begun = true;
-            self.devices.outside.begin();
+            self.devices.environment.begin();
         }
         self.steps += 1;
-        let Devices { outside, escs, .. } = &mut self.devices;
-        outside.advance(escs, f64::from(self.status.winch_tension));
-        outside.expose();
-        let heard = &mut self.console;
-        outside.look(&mut |frame| heard.extend_from_slice(frame));
-        if let Some(length) = outside.sensors.winch() {
+        let Devices { environment, escs, .. } = &mut self.devices;
+        environment.advance(escs, f64::from(self.status.winch_tension));
+        environment.expose();
+        let console = &mut self.console;
+        environment.publish_capture(&mut |frame| console.extend_from_slice(frame));
+        if let Some(length) = environment.sensors.winch() {
             let status = WINCH_STATUS_DATA {
                 line_length: length.length_mm as f32 * 1e-3,
                 ..WINCH_STATUS_DATA::default()
             };
-            heard.extend_from_slice(&self.winch.frame(&status));
+            let frame = self.winch.frame(&status);
+            environment.deliver(Source::Companion, &frame, &mut |frame| {
+                console.extend_from_slice(frame);
+            });
         }
-        if outside.suffers(FaultKind::LinkLost) {
-            heard.clear();
-        }
-        let is_ready = !outside.suffers(FaultKind::ImuSilent);
-        let time = outside.time();
+    }
+
+    /// One millisecond of world, then the board's turn.
+    fn advance(&mut self, pipe: &mut Pipe) -> io::Result<()> {
+        self.step_world();
+        let environment = &self.devices.environment;
+        let is_ready = !environment.is_active(FaultKind::ImuSilent);
+        let time = environment.time();
         let due = self.plan.injury.filter(|(at, _)| self.injured_at.is_none() && time >= *at);
         if due.is_some() {
             self.injured_at = Some(time);
@@ -245,7 +249,7 @@ impl<'a> Host<'a> {
         let take = self.console.len().min(CONSOLE);
         let console: Vec<u8> = self.console.drain(..take).collect();
         pipe.reply(&Reply::Tick {
-            now_us: self.devices.outside.now().0,
+            now_us: self.devices.environment.now().0,
             is_ready,
             console: &console,
             injury: due.map(|(_, injury)| injury),
@@ -262,42 +266,42 @@ impl<'a> Host<'a> {
         }
     }
 
-    /// A ground station goes on listening when its pilot has given up.
-    fn keep_listening(&mut self) {
-        if *self.pilot.progress() != Progress::Flying && self.steps.is_multiple_of(HEARTBEAT_MS) {
+    /// A ground station keeps its link when its mission has failed or ended.
+    fn keep_link(&mut self) {
+        if *self.mission.progress() != Progress::Flying && self.steps.is_multiple_of(HEARTBEAT_MS) {
             let heartbeat =
                 HEARTBEAT_DATA { mavtype: MavType::MAV_TYPE_GCS, ..HEARTBEAT_DATA::default() };
-            self.console.extend_from_slice(&self.ground.frame(&heartbeat));
+            let (frame, console) = (self.ground.frame(&heartbeat), &mut self.console);
+            self.devices.environment.deliver(Source::Ground, &frame, &mut |frame| {
+                console.extend_from_slice(frame);
+            });
         }
     }
 
-    /// After a step.
-    fn see(&mut self, status: &Status) {
+    /// Takes the status of the board's step: mission, figures, hands.
+    fn update(&mut self, status: &Status) {
         self.status = *status;
-        self.keep_listening();
+        self.keep_link();
         let time = self.time();
-        let plant = &self.devices.outside.plant;
+        let plant = &self.devices.environment.plant;
         self.out.top = self.out.top.max(plant.body.height());
         if let Some(estimate) = status.position.filter(|_| status.is_in_air) {
             let off = V3::from(estimate.map(f64::from)) - plant.from_anchor();
             self.squares = (self.squares.0 + off.norm_squared(), self.squares.1 + 1);
         }
         let console = &mut self.console;
-        self.pilot.step(status, time, &mut |frame| console.extend_from_slice(frame));
-        let outside = &mut self.devices.outside;
-        if let Some(walk) = self.pilot.take_walk() {
-            outside.plant.anchor.go(walk);
-        }
-        if self.pilot.take_catch()
-            && let Some(rod) = &mut outside.plant.rod
-        {
-            rod.catch();
-        }
+        let environment = &mut self.devices.environment;
+        self.mission.step(status, time, &mut |frame| {
+            environment.deliver(Source::Ground, frame, &mut |frame| {
+                console.extend_from_slice(frame);
+            });
+        });
+        self.mission.act_by_hand(&mut environment.plant);
         let mode = MODES.iter().find(|rule| rule.custom_mode == status.custom_mode);
-        outside.let_go(mode.map_or(Mode::TetherHold, |rule| rule.mode));
+        environment.release_rod(mode.map_or(Mode::TetherHold, |rule| rule.mode));
     }
 
-    fn hear(&mut self, bytes: &[u8]) {
+    fn receive_console(&mut self, bytes: &[u8]) {
         for &byte in bytes {
             let mut next = self.parser.push(byte);
             while let Some(frame) = next {
@@ -305,7 +309,7 @@ impl<'a> Host<'a> {
                     && let Ok(text) = STATUSTEXT_DATA::deser(MavlinkVersion::V2, frame.payload())
                     && let Ok(text) = text.text.to_str()
                 {
-                    self.out.texts.push((self.devices.outside.time(), text.to_owned()));
+                    self.out.texts.push((self.devices.environment.time(), text.to_owned()));
                 }
                 next = self.parser.pending();
             }
@@ -314,13 +318,74 @@ impl<'a> Host<'a> {
 
     fn finish(mut self, digest: u64) -> io::Result<Outcome> {
         self.out.stored = self.devices.stored()?;
-        self.out.progress = self.pilot.progress().clone();
-        self.out.position = self.devices.outside.plant.from_anchor();
+        self.out.progress = self.mission.progress().clone();
+        self.out.position = self.devices.environment.plant.from_anchor();
         self.out.time = self.time();
         self.out.took = self.began.elapsed().as_secs_f64();
         self.out.digest = digest;
         let (sum, count) = self.squares;
         self.out.estimate_rms = (count > 0).then(|| (sum / count as f64).sqrt());
         Ok(self.out)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::flight::Flight;
+
+    /// For so long, ms.
+    const TIME: u64 = 1500;
+
+    /// Whether the ground station and the motion capture get through to an emulated board.
+    fn reach_the_board(scenario: &Scenario) -> [bool; 2] {
+        let plan = Plan {
+            image: Path::new(""),
+            folder: Path::new(""),
+            scenario,
+            params: scenario.params().unwrap(),
+            seed: 1,
+            limit: 60.0,
+            injury: None,
+            telemetry: Telemetry::None,
+        };
+        let mut host = Host::new(&plan).unwrap();
+        for _ in 0..TIME {
+            host.step_world();
+            host.update(&Status::default());
+        }
+        let mut parser = Parser::new();
+        let systems: Vec<u8> =
+            host.console.iter().filter_map(|byte| parser.push(*byte)).map(|f| f.system).collect();
+        assert!(systems.contains(&(WINCH as u8)), "{systems:?}");
+        [systems.contains(&(GROUND as u8)), systems.contains(&200)]
+    }
+
+    /// Whether they get through to the firmware in the simulator.
+    fn reach_the_simulator(scenario: &Scenario) -> [bool; 2] {
+        let params = scenario.params().unwrap();
+        let mut flight = Flight::new(scenario, params, 1, io::sink()).unwrap();
+        let mut is_captured = false;
+        for _ in 0..TIME {
+            is_captured |= flight.step(&mut |_| {}).sensors.capture.is_some();
+        }
+        [flight.world.link.heartbeat_at().is_some(), is_captured]
+    }
+
+    #[test]
+    fn a_fault_cuts_the_same_here_and_in_the_simulator() {
+        let scenario = |fault: &str| {
+            let text = format!("[capture]\nrate = 50.0\n{fault}[[mission]]\ndo = \"arm\"");
+            Scenario::parse(&text, "s.toml").unwrap()
+        };
+        for (fault, reached) in [
+            ("", [true, true]),
+            ("[[fault]]\nkind = \"link_lost\"\nat = 0.0\n", [false, true]),
+            ("[[fault]]\nkind = \"capture_lost\"\nat = 0.0\n", [true, false]),
+        ] {
+            let scenario = scenario(fault);
+            assert_eq!(reach_the_board(&scenario), reached, "board, {fault}");
+            assert_eq!(reach_the_simulator(&scenario), reached, "simulator, {fault}");
+        }
     }
 }

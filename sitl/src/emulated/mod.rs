@@ -1,4 +1,4 @@
-//! The host of an emulated board: the same world, the same fakes and the same pilot as [`crate::flight`], but the
+//! The host of an emulated board: the same world, the same fakes and the same mission runner as [`crate::flight`], but the
 //! firmware is an image under QEMU that asks for every bus transaction.
 
 mod devices;

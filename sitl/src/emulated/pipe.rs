@@ -7,13 +7,13 @@ use tautline_board::wire::{Ask, Reply};
 /// Frames with their length in front.
 #[derive(Debug)]
 pub struct Pipe {
-    ask: File,
+    requests: File,
     reply: File,
     buffer: Vec<u8>,
     /// FNV-1a over every byte in both directions.
     digest: u64,
     /// Messages from the board.
-    pub asked: u64,
+    pub received: u64,
 }
 
 const BASIS: u64 = 0xCBF2_9CE4_8422_2325;
@@ -22,8 +22,8 @@ const PRIME: u64 = 0x100_0000_01B3;
 impl Pipe {
     /// Over open ends.
     #[must_use]
-    pub fn new(ask: File, reply: File) -> Self {
-        Self { ask, reply, buffer: Vec::new(), digest: BASIS, asked: 0 }
+    pub fn new(requests: File, reply: File) -> Self {
+        Self { requests, reply, buffer: Vec::new(), digest: BASIS, received: 0 }
     }
 
     /// Of everything so far: two equal runs have equal digests.
@@ -40,14 +40,14 @@ impl Pipe {
     /// The next message; waits for it.
     ///
     /// # Errors
-    /// When the board has gone or says something that is no message.
-    pub fn ask(&mut self) -> io::Result<Vec<u8>> {
+    /// When the board has gone or sends something that is no message.
+    pub fn receive(&mut self) -> io::Result<Vec<u8>> {
         let mut head = [0; 2];
-        self.ask.read_exact(&mut head)?;
+        self.requests.read_exact(&mut head)?;
         let mut message = vec![0; usize::from(u16::from_le_bytes(head))];
-        self.ask.read_exact(&mut message)?;
+        self.requests.read_exact(&mut message)?;
         self.mix(&message);
-        self.asked += 1;
+        self.received += 1;
         Ok(message)
     }
 

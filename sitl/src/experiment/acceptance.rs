@@ -1,9 +1,9 @@
 //! `planar` section 11: every row beside its limits.
 
-use super::{Ask, Compare, Report, scan};
-use crate::planar::{BranchChoice, PlanarScenario, Residual};
+use super::{Compare, Report, Settings, scan};
+use crate::bench::planar::{BranchChoice, PlanarScenario, Residual};
 
-/// One row; what has no limit is not judged.
+/// One row; what has no limit is not scored.
 struct Row {
     name: &'static str,
     unit: &'static str,
@@ -112,22 +112,22 @@ fn rows() -> Vec<Row> {
         last: [1e-3, 5e-3],
         ..row("Γb motors 80 ms", "N", lagged)
     });
-    let mut told = conference;
-    told.observer.branches = BranchChoice::One;
-    told.plant.motor_lag = 0.05;
-    told.observer.motor_lag = 0.05;
+    let mut modelled = conference;
+    modelled.observer.branches = BranchChoice::One;
+    modelled.plant.motor_lag = 0.05;
+    modelled.observer.motor_lag = 0.05;
     rows.push(Row {
         max: [Some(0.1), Some(4.0)],
         last: [2e-4, 5e-5],
-        ..row("compression motors 50 ms, observer told", "N", told)
+        ..row("compression motors 50 ms, observer told", "N", modelled)
     });
     rows
 }
 
 /// Flies all rows.
-pub fn run(ask: &Ask) -> Result<Report, String> {
+pub fn run(settings: &Settings) -> Result<Report, String> {
     let rows = rows();
-    let flown = scan::summaries(ask, rows.iter().map(|r| r.scenario.clone()).collect())?;
+    let flown = scan::summaries(settings, rows.iter().map(|r| r.scenario.clone()).collect())?;
     let mut report = Report::default();
     for (row, s) in rows.iter().zip(flown) {
         let Row { name, unit, .. } = row;

@@ -1,10 +1,10 @@
 //! Tether Angle on the whole simulated quadrotor: `flight` section 7, twenty seeds a row.
 
 use super::flown::why_lost;
-use super::{Ask, Compare, Report};
-use crate::angle_metrics::AngleFlightSummary;
+use super::{Compare, Report, Settings};
+use crate::campaign::parallel;
 use crate::flight::Flight;
-use crate::parallel;
+use crate::metrics::AngleFlightSummary;
 use crate::report::chart::{ESTIMATE, Line, Panel, Points, SETPOINT, THIRD, TRUTH};
 use crate::report::grid::{self, grid};
 use crate::scenario::{Scenario, Step};
@@ -16,7 +16,7 @@ use tautline_firmware::frames::World;
 pub const BASE: &str = include_str!("../../scenarios/angle.toml");
 /// Flights of a row.
 const SEEDS: u64 = 20;
-/// How far the vehicle is from the set-point at the start, the nose from its believed heading, and the
+/// How far the vehicle is from the set-point at the start, the nose from its assumed heading, and the
 /// thrust scale from the truth: deg, deg, 1.
 const START: f64 = 5.0;
 const HEADING: f64 = 2.0;
@@ -37,7 +37,7 @@ struct Row {
     angle: f64,
     /// Over mass, m/s².
     thrust: f32,
-    /// Error of the believed thrust; `None`: 1 % of either sign.
+    /// Error of the assumed thrust; `None`: 1 % of either sign.
     error: Option<f64>,
     heading: f64,
     gust: f64,
@@ -111,8 +111,8 @@ fn scenario(row: &Row, seed: u64) -> Result<Scenario, String> {
 /// Why lost, if lost, and the figures.
 type Flown = (Option<String>, Option<AngleFlightSummary>);
 
-fn fly(row: &Row, ask: &Ask, seed: u64) -> Result<Flown, String> {
-    let s = ask.on(scenario(row, seed)?)?;
+fn fly(row: &Row, settings: &Settings, seed: u64) -> Result<Flown, String> {
+    let s = settings.on(scenario(row, seed)?)?;
     let params = s.params().map_err(|e| e.0)?;
     let mut flight = Flight::new(&s, params, seed, std::io::sink()).map_err(|e| e.0)?;
     flight.fly(LONGEST);
@@ -120,11 +120,11 @@ fn fly(row: &Row, ask: &Ask, seed: u64) -> Result<Flown, String> {
 }
 
 /// Every row over all seeds, worst beside its limit.
-pub fn run(ask: &Ask) -> Result<Report, String> {
+pub fn run(settings: &Settings) -> Result<Report, String> {
     let mut report = Report::default();
-    let seeds = ask.seeds(SEEDS)?;
+    let seeds = settings.seeds(SEEDS)?;
     for row in rows() {
-        let work = |seed: &u64| fly(&row, ask, *seed);
+        let work = |seed: &u64| fly(&row, settings, *seed);
         let flown = parallel::map(&seeds, parallel::cores(), work, |_| {});
         let (mut lost, mut worst) = (0.0, [0.0_f64; 3]);
         for (seed, outcome) in seeds.iter().zip(flown) {
@@ -151,7 +151,7 @@ pub fn run(ask: &Ask) -> Result<Report, String> {
         report.add(format!("{name}: tracking rms, deg"), tracking.to_degrees(), limit(2));
         report.add(format!("{name}: tension rms, N"), tension, Compare::Alone);
     }
-    let cells = picture(ask)?;
+    let cells = picture(settings)?;
     report.picture("angle-flight.svg", move |path| grid(path, 2, &cells));
     report.notes.push(format!(
         "Worst of {} seeds on the worse of two axes, from 4 s after the mode began; anchor walked 1 m at 0.3 \
@@ -162,8 +162,8 @@ pub fn run(ask: &Ask) -> Result<Report, String> {
 }
 
 /// One flight of the first row, from the change into the mode on: anchor and vehicle, angles, tension.
-fn picture(ask: &Ask) -> Result<Vec<grid::Cell>, String> {
-    let s = ask.on(scenario(&STEEP, 3)?)?;
+fn picture(settings: &Settings) -> Result<Vec<grid::Cell>, String> {
+    let s = settings.on(scenario(&STEEP, 3)?)?;
     let params = s.params().map_err(|e| e.0)?;
     let mut flight = Flight::new(&s, params, 3, std::io::sink()).map_err(|e| e.0)?;
     let mut began = None;
@@ -173,20 +173,20 @@ fn picture(ask: &Ask) -> Result<Vec<grid::Cell>, String> {
         let (Some(angle), Some(reference)) = (&out.angle, &out.reference) else { continue };
         let now = flight.world.time();
         let time = now - *began.get_or_insert(now);
-        let plant = &flight.world.outside.plant;
+        let plant = &flight.world.environment.plant;
         let [north, west] = plane_angles(&World(plant.end())).map(f64::to_degrees);
-        let [seen_north, seen_west] = angle.angles().map(|x| f64::from(x).to_degrees());
-        let wanted = plane_angles(&World(reference.position.0.map(f64::from)));
-        let [wanted_north, wanted_west] = wanted.map(f64::to_degrees);
+        let [estimate_north, estimate_west] = angle.angles().map(|x| f64::from(x).to_degrees());
+        let setpoint = plane_angles(&World(reference.position.0.map(f64::from)));
+        let [reference_north, reference_west] = setpoint.map(f64::to_degrees);
         let values = [
             plant.anchor.position.x,
             plant.body.position.x,
-            wanted_north,
+            reference_north,
             north,
-            seen_north,
-            wanted_west,
+            estimate_north,
+            reference_west,
             west,
-            seen_west,
+            estimate_west,
             plant.tether.tension,
             f64::from(angle.tension),
         ];
@@ -194,12 +194,13 @@ fn picture(ask: &Ask) -> Result<Vec<grid::Cell>, String> {
             points.push((time, value));
         }
     }
-    let [anchor, body, wn, north, sn, ww, west, sw, tension, seen] = series;
-    let angles = |title: &'static str, wanted, truth, seen| {
+    let [anchor, body, ref_north, north, est_north, ref_west, west, est_west, tension, estimate] =
+        series;
+    let angles = |title: &'static str, setpoint, truth, estimate| {
         let lines = vec![
             Line::new("true", TRUTH, truth),
-            Line::new("estimated", ESTIMATE, seen),
-            Line::new("asked", SETPOINT, wanted).dashed(),
+            Line::new("estimated", ESTIMATE, estimate),
+            Line::new("asked", SETPOINT, setpoint).dashed(),
         ];
         (Panel::new(title, "time, s", "deg"), lines)
     };
@@ -209,11 +210,11 @@ fn picture(ask: &Ask) -> Result<Vec<grid::Cell>, String> {
                 .legend(SeriesLabelPosition::MiddleRight),
             vec![Line::new("vehicle", TRUTH, body), Line::new("anchor", THIRD, anchor)],
         ),
-        angles("Tether angle in the plane of north", wn, north, sn),
-        angles("in the plane of west", ww, west, sw),
+        angles("Tether angle in the plane of north", ref_north, north, est_north),
+        angles("in the plane of west", ref_west, west, est_west),
         (
             Panel::new("Tension", "time, s", "N"),
-            vec![Line::new("true", TRUTH, tension), Line::new("estimated", ESTIMATE, seen)],
+            vec![Line::new("true", TRUTH, tension), Line::new("estimated", ESTIMATE, estimate)],
         ),
     ])
 }

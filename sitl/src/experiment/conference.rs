@@ -1,18 +1,18 @@
 //! The conference article: compression, and what its observer needs in discrete time.
 
-use super::{Ask, Compare, Report, pictures, scan};
-use crate::planar::{PlanarScenario, UpdateKind, fly};
+use super::{Compare, Report, Settings, pictures, scan};
+use crate::bench::planar::{PlanarScenario, UpdateKind, fly};
 
 /// Fig. 4.
-pub fn compression(ask: &Ask) -> Result<Report, String> {
+pub fn compression(settings: &Settings) -> Result<Report, String> {
     let mut report = Report::default();
-    let s = ask.planar(PlanarScenario::conference())?;
+    let s = settings.planar(PlanarScenario::conference())?;
     let mut displaced = s.clone();
     displaced.start.state_offset = [-0.15, 0.2, 0.1, 0.3];
     displaced.start.observer_offset = [0.5, 0.5, 2.0];
     displaced.start.hold_off = 0.4;
-    let trace = fly(&s, ask.seed)?;
-    let from_errors = fly(&displaced, ask.seed)?;
+    let trace = fly(&s, settings.seed)?;
+    let from_errors = fly(&displaced, settings.seed)?;
     let n = &trace.summary;
     report.add("elevation max after 1 s, rad", n.max_after_1s[0], {
         Compare::Claim("exact tracking", n.max_after_1s[0] < 2e-3)
@@ -101,7 +101,7 @@ const TABLE: [Expected; 3] = [
 ];
 
 /// Naive forms against the predictor-corrector, over the rate.
-pub fn observer_forms(ask: &Ask) -> Result<Report, String> {
+pub fn observer_forms(settings: &Settings) -> Result<Report, String> {
     let mut report = Report::default();
     let mut curves = Vec::new();
     for (name, rates, expected) in TABLE {
@@ -117,7 +117,7 @@ pub fn observer_forms(ask: &Ask) -> Result<Report, String> {
                 s.substeps = (4000.0 / rate_hz).ceil() as u32;
                 s
             });
-            let flown = scan::summaries(ask, scenarios.to_vec())?;
+            let flown = scan::summaries(settings, scenarios.to_vec())?;
             let mut points = Vec::new();
             for ((rate, s), value) in rates.into_iter().zip(flown).zip(expected) {
                 let ours = if s.is_lost() { LOST } else { s.max_after_1s[0] };

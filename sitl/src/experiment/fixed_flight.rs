@@ -1,12 +1,11 @@
 //! The whole firmware in fixed point against the same in single precision: the same flights, the same seeds.
 
 use super::flown::why_lost;
-use super::{Ask, Compare, Report};
-use crate::autopilot::Arithmetic;
+use super::{Compare, Report, Settings};
+use crate::campaign::parallel;
 use crate::flight::Flight;
 use crate::metrics::{Spread, Summary};
-use crate::parallel;
-use crate::scenario::Scenario;
+use crate::scenario::{Arithmetic, Scenario};
 use tautline_firmware::fixed::saturation;
 
 /// Flights of each, and the longest, simulated s.
@@ -62,9 +61,9 @@ const ROWS: [Row; 5] = [
     },
 ];
 
-fn fly(ask: &Ask, row: &Row, scalar: Arithmetic, seed: u64) -> Result<Summary, String> {
+fn fly(settings: &Settings, row: &Row, scalar: Arithmetic, seed: u64) -> Result<Summary, String> {
     let scenario = Scenario::parse(row.text, row.name).map_err(|e| e.0)?;
-    let scenario = Scenario { scalar, ..ask.on(scenario)? };
+    let scenario = Scenario { scalar, ..settings.on(scenario)? };
     let params = scenario.params().map_err(|e| e.0)?;
     let mut flight = Flight::new(&scenario, params, seed, std::io::sink()).map_err(|e| e.0)?;
     flight.fly(LONGEST);
@@ -75,13 +74,16 @@ fn fly(ask: &Ask, row: &Row, scalar: Arithmetic, seed: u64) -> Result<Summary, S
 }
 
 /// Every flight in both.
-pub fn run(ask: &Ask) -> Result<Report, String> {
+pub fn run(settings: &Settings) -> Result<Report, String> {
     let mut report = Report::default();
-    let seeds = ask.seeds(SEEDS)?;
+    let seeds = settings.seeds(SEEDS)?;
     let saturated = saturation::count();
     for row in &ROWS {
         let both = |seed: &u64| {
-            Ok((fly(ask, row, Arithmetic::F32, *seed)?, fly(ask, row, Arithmetic::Q16, *seed)?))
+            Ok((
+                fly(settings, row, Arithmetic::F32, *seed)?,
+                fly(settings, row, Arithmetic::Q16, *seed)?,
+            ))
         };
         let flown: Result<Vec<_>, String> =
             parallel::map(&seeds, parallel::cores(), both, |_| {}).into_iter().collect();

@@ -1,21 +1,20 @@
 //! A mission flown to its end, and why it counts as lost.
 
-use crate::flight::Flight;
-use crate::pilot::Progress;
+use crate::flight::{Flight, Progress};
 use std::io::Write;
 use tautline_firmware::signal::Severity;
 
-/// Why lost, or why the mission was not flown; the first critical event says more than the last step of a
+/// Why lost, or why the mission was not flown; the first critical event explains more than the last step of a
 /// mission that went wrong.
 pub fn why_lost<W: Write>(flight: &Flight<W>) -> Option<String> {
     if let Some(why) = flight.metrics.summary().lost {
         return Some(why.to_owned());
     }
-    if *flight.pilot.progress() == Progress::Done {
+    if *flight.mission.progress() == Progress::Done {
         return None;
     }
     let events = || flight.events.iter().map(|(_, event)| event);
-    let heard =
+    let event =
         events().find(|event| event.severity <= Severity::Critical).or(events().next_back());
-    Some(format!("not flown: {}", heard.map_or("nothing", |event| event.text)))
+    Some(format!("not flown: {}", event.map_or("nothing", |event| event.text)))
 }

@@ -1,8 +1,8 @@
 //! The journal article's section VI.
 
 use super::pictures::{self, ScanPanel, TimeSeries};
-use super::{Ask, Compare, Report, scan};
-use crate::planar::{BranchChoice, LawKind, PlanarScenario, PlanarSummary};
+use super::{Compare, Report, Settings, scan};
+use crate::bench::planar::{BranchChoice, LawKind, PlanarScenario, PlanarSummary};
 
 /// The article's three durations, s.
 pub const DURATIONS: [f64; 3] = [7.0, 5.0, 3.0];
@@ -27,11 +27,11 @@ fn second(law: LawKind) -> (&'static str, &'static str, &'static str) {
     }
 }
 
-/// The article shows these as lines that cannot be told from the reference: rad, and N or rad.
+/// The article shows these as lines that cannot be distinguished from the reference: rad, and N or rad.
 const EXACT: [f64; 2] = [2e-3, 0.05];
 
 /// Both controllers, three durations.
-pub fn nominal(ask: &Ask) -> Result<Report, String> {
+pub fn nominal(settings: &Settings) -> Result<Report, String> {
     let mut report = Report::default();
     for law in [LawKind::Attitude, LawKind::Force] {
         let (name, what, unit) = second(law);
@@ -41,7 +41,7 @@ pub fn nominal(ask: &Ask) -> Result<Report, String> {
             s.observer.is_above_ground = true;
             s
         });
-        let flown = scan::traces(ask, scenarios.to_vec())?;
+        let flown = scan::traces(settings, scenarios.to_vec())?;
         for (duration, trace) in DURATIONS.iter().zip(&flown) {
             let s = &trace.summary;
             let exact = |ours: f64, bound: f64| Compare::Claim("exact tracking", ours < bound);
@@ -82,7 +82,7 @@ fn article(report: &mut Report, name: &str, s: &PlanarSummary) {
 }
 
 /// VI-A.
-pub fn initial_errors(ask: &Ask) -> Result<Report, String> {
+pub fn initial_errors(settings: &Settings) -> Result<Report, String> {
     let mut report = Report::default();
     for law in [LawKind::Attitude, LawKind::Force] {
         let (name, what, unit) = second(law);
@@ -92,11 +92,11 @@ pub fn initial_errors(ask: &Ask) -> Result<Report, String> {
         s.start.state_offset = [-0.15, 0.2, 0.1, 0.3];
         s.start.observer_offset = [0.5, 0.5, 2.0];
         s.start.hold_off = 0.4;
-        let mut hasty = s.clone();
-        hasty.start.hold_off = 0.0;
-        let flown = scan::traces(ask, vec![s, hasty])?;
-        let [patient, hasty] = flown.as_slice() else { continue };
-        let p = &patient.summary;
+        let mut immediate = s.clone();
+        immediate.start.hold_off = 0.0;
+        let flown = scan::traces(settings, vec![s, immediate])?;
+        let [held_off, immediate] = flown.as_slice() else { continue };
+        let p = &held_off.summary;
         report.add(
             format!("{name}: observer converged to 0.01 rad, s"),
             p.converged_at,
@@ -115,7 +115,7 @@ pub fn initial_errors(ask: &Ask) -> Result<Report, String> {
         report.add(format!("{name}: peak link force, N"), p.link_force[1], Compare::Alone);
         report.add(
             format!("{name}: peak link force without hold-off, N"),
-            hasty.summary.link_force[1],
+            immediate.summary.link_force[1],
             Compare::Alone,
         );
         let file = if law == LawKind::Force { "initial-force.svg" } else { "initial-attitude.svg" };
@@ -139,7 +139,7 @@ pub fn with_error(s: &mut PlanarScenario, parameter: usize, error: f64) {
 const PARAMETERS: [&str; 3] = ["mass", "length", "inertia"];
 
 /// Figs. 4 and 5.
-pub fn parameters(ask: &Ask) -> Result<Report, String> {
+pub fn parameters(settings: &Settings) -> Result<Report, String> {
     let mut report = Report::default();
     for law in [LawKind::Attitude, LawKind::Force] {
         let (name, ..) = second(law);
@@ -157,7 +157,7 @@ pub fn parameters(ask: &Ask) -> Result<Report, String> {
                         s
                     })
                     .collect();
-                let flown = scan::summaries(ask, scenarios)?;
+                let flown = scan::summaries(settings, scenarios)?;
                 for (&error, s) in errors.iter().zip(&flown) {
                     panel.add(duration, error * 100.0, s);
                 }
@@ -186,7 +186,7 @@ pub fn parameters(ask: &Ask) -> Result<Report, String> {
         s
     };
     let flown = scan::summaries(
-        ask,
+        settings,
         vec![
             at(LawKind::Attitude, 0.1),
             at(LawKind::Attitude, -0.1),
@@ -224,7 +224,7 @@ pub fn parameters(ask: &Ask) -> Result<Report, String> {
 }
 
 /// Fig. 7.
-pub fn general_model(ask: &Ask) -> Result<Report, String> {
+pub fn general_model(settings: &Settings) -> Result<Report, String> {
     let mut report = Report::default();
     type Change = fn(&mut PlanarScenario, f64);
     let changes: [(&str, f64, f64, Change); 3] = [
@@ -251,7 +251,7 @@ pub fn general_model(ask: &Ask) -> Result<Report, String> {
                     s
                 })
                 .collect();
-            let flown = scan::summaries(ask, scenarios)?;
+            let flown = scan::summaries(settings, scenarios)?;
             for (&x, s) in values.iter().zip(&flown) {
                 panel.add(duration, x, s);
             }
@@ -282,7 +282,7 @@ pub fn general_model(ask: &Ask) -> Result<Report, String> {
     let mut below = single(LawKind::Force, 5.0);
     below.plant.attachment = [0.0, 0.05];
     let flown = scan::summaries(
-        ask,
+        settings,
         vec![heavy(7.0), heavy(5.0), heavy(3.0), plausible, stiffer, above, below],
     )?;
     let [h7, h5, h3, plausible, stiffer, above, below] = flown.as_slice() else {
@@ -320,7 +320,7 @@ pub fn general_model(ask: &Ask) -> Result<Report, String> {
 }
 
 /// Fig. 8.
-pub fn noise(ask: &Ask) -> Result<Report, String> {
+pub fn noise(settings: &Settings) -> Result<Report, String> {
     let mut report = Report::default();
     let at = |law, epsilon| {
         let mut s = single(law, 5.0);
@@ -333,7 +333,8 @@ pub fn noise(ask: &Ask) -> Result<Report, String> {
         .into_iter()
         .flat_map(|law| [0.1, 0.3, 0.5, 0.7, 1.0].map(|epsilon| (law, epsilon)))
         .collect();
-    let flown = scan::traces(ask, cases.iter().map(|&(law, epsilon)| at(law, epsilon)).collect())?;
+    let flown =
+        scan::traces(settings, cases.iter().map(|&(law, epsilon)| at(law, epsilon)).collect())?;
     for ((law, epsilon), trace) in cases.iter().zip(&flown) {
         let (name, what, unit) = second(*law);
         let s = &trace.summary;
@@ -371,29 +372,29 @@ pub fn noise(ask: &Ask) -> Result<Report, String> {
 }
 
 /// VI-E.
-pub fn motors(ask: &Ask) -> Result<Report, String> {
+pub fn motors(settings: &Settings) -> Result<Report, String> {
     let mut report = Report::default();
     const LAGS: [f64; 5] = [0.02, 0.04, 0.08, 0.12, 0.15];
     const CLAIM: &str = "stable up to 0.08 s";
     let mut curves = Vec::new();
     for law in [LawKind::Force, LawKind::Attitude] {
         for duration in DURATIONS {
-            for is_told in [false, true] {
+            for is_modelled in [false, true] {
                 let scenarios = LAGS.map(|lag| {
                     let mut s = single(law, duration);
                     s.plant.motor_lag = lag;
-                    s.observer.motor_lag = if is_told { lag } else { 0.0 };
+                    s.observer.motor_lag = if is_modelled { lag } else { 0.0 };
                     s
                 });
                 let (name, ..) = second(law);
                 let mut points = Vec::new();
-                for (lag, s) in LAGS.iter().zip(scan::summaries(ask, scenarios.to_vec())?) {
+                for (lag, s) in LAGS.iter().zip(scan::summaries(settings, scenarios.to_vec())?) {
                     if !s.is_lost() {
                         points.push((*lag, s.max_after_1s[0].to_degrees()));
                     }
-                    let told = if is_told { "told" } else { "not told" };
+                    let modelled = if is_modelled { "told" } else { "not told" };
                     let is_claimed = *lag <= 0.08;
-                    let expected = is_told || law == LawKind::Force && duration > 3.5;
+                    let expected = is_modelled || law == LawKind::Force && duration > 3.5;
                     let compare = match (is_claimed, expected) {
                         (false, _) => Compare::Alone,
                         (true, true) => Compare::Claim(CLAIM, !s.is_lost()),
@@ -401,12 +402,14 @@ pub fn motors(ask: &Ask) -> Result<Report, String> {
                         (true, false) => Compare::Claim(CLAIM, true),
                     };
                     report.add(
-                        format!("{name} T{duration}, {lag} s, observer {told}: elevation max, rad"),
+                        format!(
+                            "{name} T{duration}, {lag} s, observer {modelled}: elevation max, rad"
+                        ),
                         if s.is_lost() { f64::INFINITY } else { s.max_after_1s[0] },
                         compare,
                     );
                 }
-                curves.push((is_told, format!("{name} {duration} s"), points));
+                curves.push((is_modelled, format!("{name} {duration} s"), points));
             }
         }
     }

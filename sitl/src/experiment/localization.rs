@@ -1,10 +1,10 @@
 //! Al-Radaideh and Sun's table and figures: position and tension over tension, altitude and velocity.
 
-use super::{Ask, Compare, Report};
-use crate::localization::{
+use super::{Compare, Report, Settings};
+use crate::bench::localization::{
     DT, ESTIMATORS, LocalizationScenario, Outcome, SETTLED, Sample, Setup, Track, generate, run,
 };
-use crate::parallel;
+use crate::campaign::parallel;
 use crate::plant::V3;
 use crate::report::chart::{ESTIMATE, Line, Panel, Points, SETPOINT, THIRD, TRUTH};
 use crate::report::grid::{self, grid};
@@ -43,17 +43,17 @@ fn track(out: &Outcome, which: usize) -> Result<&Track, String> {
     out.tracks.get(which).ok_or_else(|| "no such estimator".into())
 }
 
-fn with_tension(ask: &Ask, tension: f64) -> Result<LocalizationScenario, String> {
-    ask.on(LocalizationScenario { tension, ..LocalizationScenario::default() })
+fn with_tension(settings: &Settings, tension: f64) -> Result<LocalizationScenario, String> {
+    settings.on(LocalizationScenario { tension, ..LocalizationScenario::default() })
 }
 
 /// Table 2 and Figs. 8 to 11.
-pub fn table(ask: &Ask) -> Result<Report, String> {
-    ask.no_seeds()?;
+pub fn table(settings: &Settings) -> Result<Report, String> {
+    settings.no_seeds()?;
     let mut report = Report::default();
     let mut kept = Vec::new();
     for (tension, published) in TABLE {
-        let flown = fly_all(&with_tension(ask, tension)?, &[ask.seed])?;
+        let flown = fly_all(&with_tension(settings, tension)?, &[settings.seed])?;
         let Some((samples, out)) = flown.into_iter().next() else { continue };
         let (three, four) = (track(&out, THREE)?, track(&out, FOUR)?);
         let [n3, e3, d3] = three.settled.axes;
@@ -231,14 +231,14 @@ struct Sweep {
 }
 
 fn sweep(
-    ask: &Ask,
+    settings: &Settings,
     values: &[f64],
     at: impl Fn(f64) -> LocalizationScenario,
 ) -> Result<Sweep, String> {
-    let seeds = ask.seeds(3)?;
+    let seeds = settings.seeds(3)?;
     let mut out = Sweep { values: values.to_vec(), errors: Default::default() };
     for value in values {
-        let flown = fly_all(&ask.on(at(*value))?, &seeds)?;
+        let flown = fly_all(&settings.on(at(*value))?, &seeds)?;
         for (list, which) in out.errors.iter_mut().zip([THREE, FOUR, LOW_PASS, PLAIN]) {
             list.push(horizontal(&flown, which)?);
         }
@@ -281,15 +281,16 @@ fn add_sweep(report: &mut Report, what: &str, unit: &str, s: &Sweep) {
 }
 
 /// Figs. 12 to 14.
-pub fn sweeps(ask: &Ask) -> Result<Report, String> {
+pub fn sweeps(settings: &Settings) -> Result<Report, String> {
     let mut report = Report::default();
     let four = LocalizationScenario { tension: 4.0, ..LocalizationScenario::default() };
-    let altitude = sweep(ask, &[1.0, 2.0, 3.0, 5.0, 7.0, 10.0], |x| four.at_altitude(x))?;
-    let velocity =
-        sweep(ask, &[0.5, 1.0, 2.0, 3.0], |speed| LocalizationScenario { speed, ..four.clone() })?;
-    let tension = sweep(ask, &[0.5, 1.0, 2.0, 4.0, 6.0, 10.0], |tension| LocalizationScenario {
-        tension,
+    let altitude = sweep(settings, &[1.0, 2.0, 3.0, 5.0, 7.0, 10.0], |x| four.at_altitude(x))?;
+    let velocity = sweep(settings, &[0.5, 1.0, 2.0, 3.0], |speed| LocalizationScenario {
+        speed,
         ..four.clone()
+    })?;
+    let tension = sweep(settings, &[0.5, 1.0, 2.0, 4.0, 6.0, 10.0], |tension| {
+        LocalizationScenario { tension, ..four.clone() }
     })?;
     add_sweep(&mut report, "altitude", "m", &altitude);
     add_sweep(&mut report, "velocity", "m/s", &velocity);
@@ -341,10 +342,10 @@ pub fn sweeps(ask: &Ask) -> Result<Report, String> {
 }
 
 /// `localization` section 6: limits on other noise.
-pub fn add_accuracy(report: &mut Report, ask: &Ask) -> Result<(), String> {
-    let seeds = ask.seeds(3)?;
+pub fn add_accuracy(report: &mut Report, settings: &Settings) -> Result<(), String> {
+    let seeds = settings.seeds(3)?;
     for (tension, most) in [(2.0, 0.30), (4.0, 0.20), (10.0, 0.13)] {
-        let flown = fly_all(&with_tension(ask, tension)?, &seeds)?;
+        let flown = fly_all(&with_tension(settings, tension)?, &seeds)?;
         let mut worst = [0.0_f64; 4];
         let mut apart = 0.0_f64;
         for (_, out) in &flown {
@@ -367,10 +368,10 @@ pub fn add_accuracy(report: &mut Report, ask: &Ask) -> Result<(), String> {
 }
 
 /// `localization` section 7: the error-state filter beside the article's.
-pub fn add_headroom(report: &mut Report, ask: &Ask) -> Result<(), String> {
-    let seeds = ask.seeds(8)?;
+pub fn add_headroom(report: &mut Report, settings: &Settings) -> Result<(), String> {
+    let seeds = settings.seeds(8)?;
     for (tension, most) in [(2.0, 0.65), (4.0, 0.55), (10.0, 0.40)] {
-        let flown = fly_all(&with_tension(ask, tension)?, &seeds)?;
+        let flown = fly_all(&with_tension(settings, tension)?, &seeds)?;
         let mut sums = [0.0; 2];
         let mut covered = 1.0_f64;
         for (_, out) in &flown {
@@ -398,10 +399,10 @@ pub fn add_headroom(report: &mut Report, ask: &Ask) -> Result<(), String> {
 }
 
 /// Section 7 and its robustness rows.
-pub fn headroom(ask: &Ask) -> Result<Report, String> {
+pub fn headroom(settings: &Settings) -> Result<Report, String> {
     let mut report = Report::default();
-    add_headroom(&mut report, ask)?;
-    let seeds = ask.seeds(4)?;
+    add_headroom(&mut report, settings)?;
+    let seeds = settings.seeds(4)?;
     let two = LocalizationScenario::default();
     for (name, s) in [
         ("thrust +5 %", LocalizationScenario { thrust_error: 0.05, ..two.clone() }),
@@ -412,7 +413,7 @@ pub fn headroom(ask: &Ask) -> Result<Report, String> {
             LocalizationScenario { tension: 4.0, ..two.clone() }.at_altitude(1.0),
         ),
     ] {
-        let flown = fly_all(&ask.on(s)?, &seeds)?;
+        let flown = fly_all(&settings.on(s)?, &seeds)?;
         for which in [FOUR, PLAIN, LENGTH] {
             let estimator = ESTIMATORS.get(which).unwrap_or(&"");
             let error = horizontal(&flown, which)?;

@@ -20,8 +20,8 @@ mod thrust_flight;
 
 pub use report::{Compare, Line, Picture, Report};
 
-use crate::planar::PlanarScenario;
-use crate::settings;
+use crate::bench::planar::PlanarScenario;
+use crate::scenario::settings;
 use serde::{Serialize, de::DeserializeOwned};
 
 /// One reproduced result.
@@ -36,23 +36,23 @@ pub struct Experiment {
     /// What it shows.
     pub about: &'static str,
     /// Runs it.
-    pub run: fn(&Ask) -> Result<Report, String>,
+    pub run: fn(&Settings) -> Result<Report, String>,
 }
 
 /// The setting that every experiment with random flights has.
 const SEEDS: &str = "seeds";
 const SEEDS_MOST: u64 = 100_000;
 
-/// What the user asks of an experiment.
+/// What the user sets for an experiment.
 #[derive(Clone, Debug, Default)]
-pub struct Ask {
+pub struct Settings {
     /// Settings that win over the experiment's own.
     pub sets: Vec<(String, String)>,
     /// Random numbers.
     pub seed: u64,
 }
 
-impl Ask {
+impl Settings {
     /// A scenario with the user's settings on top.
     ///
     /// # Errors
@@ -99,8 +99,8 @@ impl Ask {
     /// # Errors
     /// A count that is none.
     pub fn seeds(&self, usual: u64) -> Result<Vec<u64>, String> {
-        let asked = self.sets.iter().rev().find(|(path, _)| path == SEEDS);
-        let count = asked.map_or(Ok(usual), |(_, value)| {
+        let given = self.sets.iter().rev().find(|(path, _)| path == SEEDS);
+        let count = given.map_or(Ok(usual), |(_, value)| {
             let count = value.parse().ok().filter(|count| (1..=SEEDS_MOST).contains(count));
             count.ok_or_else(|| format!("{SEEDS} = {value}: not a count from 1 to {SEEDS_MOST}"))
         })?;
@@ -345,17 +345,19 @@ mod tests {
 
     #[test]
     fn a_setting_of_an_unknown_name_or_kind_is_refused_by_name() {
-        let ask =
-            |path: &str, value: &str| Ask { sets: vec![(path.into(), value.into())], seed: 1 };
+        let settings =
+            |path: &str, value: &str| Settings { sets: vec![(path.into(), value.into())], seed: 1 };
         let base = PlanarScenario::default;
         for (path, value) in
             [("plant.weight", "1"), ("nothing", "1"), ("plant.mass", "heavy"), ("plant", "3")]
         {
-            let error = ask(path, value).planar(base()).unwrap_err();
+            let error = settings(path, value).planar(base()).unwrap_err();
             assert!(error.contains(path) && !error.contains('\n'), "{error}");
         }
-        assert!((ask("plant.mass", "2").planar(base()).unwrap().plant.mass - 2.0).abs() < 1e-12);
-        let law = ask("law", "attitude").planar(base()).unwrap().law;
-        assert_eq!(law, crate::planar::LawKind::Attitude);
+        assert!(
+            (settings("plant.mass", "2").planar(base()).unwrap().plant.mass - 2.0).abs() < 1e-12
+        );
+        let law = settings("law", "attitude").planar(base()).unwrap().law;
+        assert_eq!(law, crate::bench::planar::LawKind::Attitude);
     }
 }

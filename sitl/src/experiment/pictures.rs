@@ -1,6 +1,6 @@
 //! Pictures shaped like the papers'.
 
-use crate::planar::{LawKind, PlanarSummary, Row, Trace};
+use crate::bench::planar::{LawKind, PlanarSummary, Row, Trace};
 use crate::report::chart::{
     ESTIMATE, Line, Panel, Points, SETPOINT, THIRD, TRUTH, bounds, draw, plot,
 };
@@ -50,30 +50,30 @@ pub fn tracking(series: &TimeSeries, path: &Path) -> Drawn {
     let areas = root.split_evenly((2, 2));
     let [elevation, output, thrust, torque] = areas.as_slice() else { return Ok(()) };
     let (name, unit, scale) = second(series.law);
-    let lines = |pick: &dyn Fn(&Row) -> f64, wanted: Option<&dyn Fn(&Row) -> f64>| -> Vec<Line> {
+    let lines = |pick: &dyn Fn(&Row) -> f64, setpoint: Option<&dyn Fn(&Row) -> f64>| -> Vec<Line> {
         let mut lines = Vec::new();
         for ((run, trace), colour) in series.runs.iter().zip(COLOURS) {
-            if let Some(wanted) = wanted {
+            if let Some(setpoint) = setpoint {
                 let name = if lines.is_empty() { "reference" } else { "" };
-                lines.push(Line::new(name, TRUTH, over(trace, wanted)).dashed());
+                lines.push(Line::new(name, TRUTH, over(trace, setpoint)).dashed());
             }
             lines.push(Line::new(run.clone(), colour, over(trace, pick)));
         }
         lines
     };
     let degrees = |row: &Row| row.state[0].to_degrees();
-    let wanted = |row: &Row| row.elevation_wanted.to_degrees();
+    let setpoint = |row: &Row| row.elevation_reference.to_degrees();
     let below = SeriesLabelPosition::LowerRight;
     draw(
         elevation,
         &Panel::new("Elevation", "time, s", "deg").legend(below.clone()),
-        &lines(&degrees, Some(&wanted)),
+        &lines(&degrees, Some(&setpoint)),
     )?;
     let law = series.law;
     draw(
         output,
         &Panel::new(name, "time, s", unit).legend(below.clone()),
-        &lines(&|row| second_of(law, row), Some(&|row| row.second_wanted * scale)),
+        &lines(&|row| second_of(law, row), Some(&|row| row.second_reference * scale)),
     )?;
     draw(thrust, &Panel::new("Thrust", "time, s", "N").legend(below), &lines(&|r| r.thrust, None))?;
     draw(torque, &Panel::new("Torque", "time, s", "N m"), &lines(&|r| r.torque, None))?;
@@ -160,13 +160,13 @@ pub fn noisy(traces: &[Trace], path: &Path) -> Drawn {
     let degrees = |x: f64| x.to_degrees();
     let three = |truth: &dyn Fn(&Row) -> f64,
                  estimate: &dyn Fn(&Row) -> f64,
-                 wanted: Option<&dyn Fn(&Row) -> f64>| {
+                 setpoint: Option<&dyn Fn(&Row) -> f64>| {
         let mut lines = vec![
             Line::new("estimate", ESTIMATE, over(trace, estimate)),
             Line::new("truth", TRUTH, over(trace, truth)),
         ];
-        if let Some(wanted) = wanted {
-            lines.push(Line::new("reference", SETPOINT, over(trace, wanted)).dashed());
+        if let Some(setpoint) = setpoint {
+            lines.push(Line::new("reference", SETPOINT, over(trace, setpoint)).dashed());
         }
         lines
     };
@@ -178,13 +178,13 @@ pub fn noisy(traces: &[Trace], path: &Path) -> Drawn {
         &three(
             &|r| degrees(r.state[0]),
             &|r| degrees(r.estimate[0]),
-            Some(&|r| degrees(r.elevation_wanted)),
+            Some(&|r| degrees(r.elevation_reference)),
         ),
     )?;
     draw(
         force,
         &caption("Link force", "N"),
-        &three(&|r| r.link_force, &|r| r.link_force_estimate, Some(&|r| r.second_wanted)),
+        &three(&|r| r.link_force, &|r| r.link_force_estimate, Some(&|r| r.second_reference)),
     )?;
     draw(
         pitch,
@@ -198,7 +198,7 @@ pub fn noisy(traces: &[Trace], path: &Path) -> Drawn {
     )?;
     let errors = [
         Line::new("elevation, deg", SETPOINT, over(trace, |r| degrees(r.elevation_error()))),
-        Line::new("link force, N", ESTIMATE, over(trace, |r| r.second_wanted - r.link_force)),
+        Line::new("link force, N", ESTIMATE, over(trace, |r| r.second_reference - r.link_force)),
     ];
     draw(error, &caption("Tracking errors", "deg, N"), &errors)?;
     let inputs = [
@@ -356,14 +356,14 @@ pub fn forms(curves: &[(&'static str, &'static str, Points)], path: &Path) -> Dr
     Ok(())
 }
 
-/// Largest elevation error over the motors' time constant, observer not told and told of it; a line that
+/// Largest elevation error over the motors' time constant, without and with it in the observer; a line that
 /// ends was lost beyond.
 pub fn lags(curves: &[(bool, String, Points)], path: &Path) -> Drawn {
     let root = SVGBackend::new(path, (1200, 460)).into_drawing_area();
     root.fill(&WHITE)?;
     let areas = root.split_evenly((1, 2));
-    for (area, told) in areas.iter().zip([false, true]) {
-        let shown = curves.iter().filter(|(is_told, ..)| *is_told == told);
+    for (area, modelled) in areas.iter().zip([false, true]) {
+        let shown = curves.iter().filter(|(is_modelled, ..)| *is_modelled == modelled);
         let lines: Vec<Line> = shown
             .enumerate()
             .map(|(k, (_, name, points))| {
@@ -372,7 +372,7 @@ pub fn lags(curves: &[(bool, String, Points)], path: &Path) -> Drawn {
                 if k < COLOURS.len() { line } else { line.dashed() }
             })
             .collect();
-        let title = if told { "Observer told of the lag" } else { "Observer not told" };
+        let title = if modelled { "Observer told of the lag" } else { "Observer not told" };
         let panel =
             Panel::new(title, "time constant of the motors, s", "largest elevation error, deg")
                 .legend(SeriesLabelPosition::UpperLeft);

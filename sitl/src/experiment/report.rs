@@ -108,7 +108,7 @@ fn number(x: f64) -> String {
     }
 }
 
-/// All that an experiment has to say.
+/// All figures, notes and pictures of an experiment.
 #[derive(Default)]
 pub struct Report {
     /// Figures.

@@ -1,9 +1,9 @@
 //! `planar` section 10: what still flies, and how badly. Ours beside the reference's, within 20 %.
 
 use super::journal::{single, with_error};
-use super::{Ask, Compare, Report, scan};
-use crate::parallel;
-use crate::planar::{LawKind, PlanarScenario};
+use super::{Compare, Report, Settings, scan};
+use crate::bench::planar::{LawKind, PlanarScenario};
+use crate::campaign::parallel;
 
 const LOST: f64 = f64::INFINITY;
 const SHARE: f64 = 0.2;
@@ -14,15 +14,15 @@ fn near(value: f64, rounding: f64) -> Compare {
 }
 
 /// Runs every table.
-pub fn run(ask: &Ask) -> Result<Report, String> {
+pub fn run(settings: &Settings) -> Result<Report, String> {
     let mut report = Report::default();
-    mass_errors(ask, &mut report)?;
-    single_errors(ask, &mut report)?;
-    general(ask, &mut report)?;
-    offsets(ask, &mut report)?;
-    motors(ask, &mut report)?;
-    noise(ask, &mut report)?;
-    limits(ask, &mut report)?;
+    mass_errors(settings, &mut report)?;
+    single_errors(settings, &mut report)?;
+    general(settings, &mut report)?;
+    offsets(settings, &mut report)?;
+    motors(settings, &mut report)?;
+    noise(settings, &mut report)?;
+    limits(settings, &mut report)?;
     report.notes.push("inf: lost.".into());
     Ok(report)
 }
@@ -33,11 +33,11 @@ fn name(law: LawKind) -> &'static str {
 
 /// The article's mean error of each scenario, infinite where lost.
 fn article_errors(
-    ask: &Ask,
+    settings: &Settings,
     report: &mut Report,
     cases: Vec<(String, PlanarScenario, f64)>,
 ) -> Result<(), String> {
-    let flown = scan::summaries(ask, cases.iter().map(|(_, s, _)| s.clone()).collect())?;
+    let flown = scan::summaries(settings, cases.iter().map(|(_, s, _)| s.clone()).collect())?;
     for ((title, _, expected), s) in cases.into_iter().zip(flown) {
         let ours = if s.is_lost() { LOST } else { s.article[0].mean() };
         let compare = if expected == LOST {
@@ -50,7 +50,7 @@ fn article_errors(
     Ok(())
 }
 
-fn mass_errors(ask: &Ask, report: &mut Report) -> Result<(), String> {
+fn mass_errors(settings: &Settings, report: &mut Report) -> Result<(), String> {
     const ERRORS: [f64; 6] = [-15.0, -10.0, -5.0, 5.0, 10.0, 15.0];
     let (force, attitude) = (LawKind::Force, LawKind::Attitude);
     let table = [
@@ -69,10 +69,10 @@ fn mass_errors(ask: &Ask, report: &mut Report) -> Result<(), String> {
             cases.push((title, s, expected));
         }
     }
-    article_errors(ask, report, cases)
+    article_errors(settings, report, cases)
 }
 
-fn single_errors(ask: &Ask, report: &mut Report) -> Result<(), String> {
+fn single_errors(settings: &Settings, report: &mut Report) -> Result<(), String> {
     let (force, attitude) = (LawKind::Force, LawKind::Attitude);
     let table = [
         (force, 7.0, 1, -0.3, 0.022),
@@ -99,10 +99,10 @@ fn single_errors(ask: &Ask, report: &mut Report) -> Result<(), String> {
             (title, s, expected)
         })
         .collect();
-    article_errors(ask, report, cases)
+    article_errors(settings, report, cases)
 }
 
-fn general(ask: &Ask, report: &mut Report) -> Result<(), String> {
+fn general(settings: &Settings, report: &mut Report) -> Result<(), String> {
     let table = [
         (5.0, 1.0, 0.009),
         (5.0, 5.0, 0.048),
@@ -120,11 +120,11 @@ fn general(ask: &Ask, report: &mut Report) -> Result<(), String> {
             (format!("Γb T{duration}, link mass {share} %"), s, expected)
         })
         .collect();
-    article_errors(ask, report, cases)
+    article_errors(settings, report, cases)
 }
 
 /// Steady elevation error, degrees.
-fn offsets(ask: &Ask, report: &mut Report) -> Result<(), String> {
+fn offsets(settings: &Settings, report: &mut Report) -> Result<(), String> {
     let table = [
         ([0.0, -0.10], 21.0),
         ([0.0, -0.03], 9.7),
@@ -146,7 +146,7 @@ fn offsets(ask: &Ask, report: &mut Report) -> Result<(), String> {
             s
         })
         .collect();
-    for ((attachment, expected), s) in table.iter().zip(scan::summaries(ask, scenarios)?) {
+    for ((attachment, expected), s) in table.iter().zip(scan::summaries(settings, scenarios)?) {
         let [x, z] = attachment;
         let ours = if s.is_lost() { LOST } else { s.max_last[0].to_degrees() };
         let compare = if *expected == LOST {
@@ -163,54 +163,55 @@ fn offsets(ask: &Ask, report: &mut Report) -> Result<(), String> {
     Ok(())
 }
 
-fn motors(ask: &Ask, report: &mut Report) -> Result<(), String> {
-    let told = |law, duration, lag: f64, is_told: bool| {
+fn motors(settings: &Settings, report: &mut Report) -> Result<(), String> {
+    let lagged = |law, duration, lag: f64, is_modelled: bool| {
         let mut s = single(law, duration);
         s.plant.motor_lag = lag;
-        s.observer.motor_lag = if is_told { lag } else { 0.0 };
+        s.observer.motor_lag = if is_modelled { lag } else { 0.0 };
         s
     };
     let (force, attitude) = (LawKind::Force, LawKind::Attitude);
     let mut cases: Vec<(String, PlanarScenario, f64)> =
         [(0.02, 0.002), (0.04, 0.004), (0.08, 0.010), (0.12, 0.023), (0.15, 0.041)]
             .into_iter()
-            .map(|(lag, e)| (format!("Γb T5, motors {lag} s"), told(force, 5.0, lag, false), e))
+            .map(|(lag, e)| (format!("Γb T5, motors {lag} s"), lagged(force, 5.0, lag, false), e))
             .collect();
-    cases.push(("Γb T3, motors 0.03 s".into(), told(force, 3.0, 0.03, false), LOST));
-    let mut strong = told(force, 3.0, 0.08, false);
+    cases.push(("Γb T3, motors 0.03 s".into(), lagged(force, 3.0, 0.03, false), LOST));
+    let mut strong = lagged(force, 3.0, 0.08, false);
     strong.reference.second = [10.0, 12.0];
     cases.push(("Γb T3, 10 to 12 N, motors 0.08 s".into(), strong, 0.019));
-    cases.push(("Γa' T5, motors 0.04 s".into(), told(attitude, 5.0, 0.04, false), LOST));
-    cases.push(("Γa' T5, motors 0.08 s, told".into(), told(attitude, 5.0, 0.08, true), 0.025));
-    cases.push(("Γa' T5, motors 0.15 s, told".into(), told(attitude, 5.0, 0.15, true), 0.048));
-    article_errors(ask, report, cases)?;
+    cases.push(("Γa' T5, motors 0.04 s".into(), lagged(attitude, 5.0, 0.04, false), LOST));
+    cases.push(("Γa' T5, motors 0.08 s, told".into(), lagged(attitude, 5.0, 0.08, true), 0.025));
+    cases.push(("Γa' T5, motors 0.15 s, told".into(), lagged(attitude, 5.0, 0.15, true), 0.048));
+    article_errors(settings, report, cases)?;
 
-    let conference = |lag: f64, is_told: bool| {
+    let conference = |lag: f64, is_modelled: bool| {
         let mut s = PlanarScenario::conference();
-        s.observer.branches = crate::planar::BranchChoice::One;
+        s.observer.branches = crate::bench::planar::BranchChoice::One;
         s.observer.is_above_ground = false;
         s.plant.motor_lag = lag;
-        s.observer.motor_lag = if is_told { lag } else { 0.0 };
+        s.observer.motor_lag = if is_modelled { lag } else { 0.0 };
         s
     };
     let flown = scan::summaries(
-        ask,
+        settings,
         vec![conference(0.01, false), conference(0.08, true), conference(0.15, true)],
     )?;
-    let [short, told, long] = flown.as_slice() else { return Ok(()) };
-    let elevation =
-        |s: &crate::planar::PlanarSummary| if s.is_lost() { LOST } else { s.max_after_1s[0] };
+    let [short, medium, long] = flown.as_slice() else { return Ok(()) };
+    let elevation = |s: &crate::bench::planar::PlanarSummary| {
+        if s.is_lost() { LOST } else { s.max_after_1s[0] }
+    };
     report.add("compression, motors 0.01 s: elevation max, rad", elevation(short), {
         Compare::Claim("lost in the reference too", short.is_lost())
     });
     report.add(
         "compression, motors 0.08 s, told: elevation max, rad",
-        elevation(told),
+        elevation(medium),
         near(0.049, 1e-3),
     );
     report.add(
         "compression, motors 0.08 s, told: link force max, N",
-        told.max_after_1s[1],
+        medium.max_after_1s[1],
         near(2.65, 0.01),
     );
     report.add("compression, motors 0.15 s, told: elevation max, rad", elevation(long), {
@@ -220,7 +221,7 @@ fn motors(ask: &Ask, report: &mut Report) -> Result<(), String> {
 }
 
 /// Five seeds; the reference's random numbers are others, so a factor of two is agreement.
-fn noise(ask: &Ask, report: &mut Report) -> Result<(), String> {
+fn noise(settings: &Settings, report: &mut Report) -> Result<(), String> {
     let table = [
         (LawKind::Force, 0.3, 1000.0, [3.0, 5.0], LOST),
         (LawKind::Force, 0.5, 1000.0, [3.0, 5.0], 0.034),
@@ -246,12 +247,13 @@ fn noise(ask: &Ask, report: &mut Report) -> Result<(), String> {
         }
         s.noise.accel_variance = 0.1;
         s.noise.gyro_variance = 0.01;
-        let seeds: Vec<Ask> =
-            (0..5).map(|k| Ask { seed: ask.seed + k, sets: ask.sets.clone() }).collect();
+        let seeds: Vec<Settings> = (0..5)
+            .map(|k| Settings { seed: settings.seed + k, sets: settings.sets.clone() })
+            .collect();
         let flown = parallel::map(
             &seeds,
             parallel::cores(),
-            |ask| scan::summaries(ask, vec![s.clone()]),
+            |settings| scan::summaries(settings, vec![s.clone()]),
             |_| {},
         );
         let mut sum = 0.0;
@@ -317,7 +319,7 @@ fn stiff(duration: f64) -> PlanarScenario {
     s.controller.second_poles = [-2.0, -3.0];
     s
 }
-fn told(s: &mut PlanarScenario, lag: f64) {
+fn modelled_lag(s: &mut PlanarScenario, lag: f64) {
     s.plant.motor_lag = lag;
     s.observer.motor_lag = lag;
 }
@@ -388,14 +390,14 @@ fn limit_rows() -> Vec<Limit> {
         metres("Γb rz low, poles doubled", stiff, rz, -0.3, [-0.3, -0.3, -0.3]),
         metres("Γb rz high, poles doubled", stiff, rz, 0.3, [0.285, 0.295, 0.3]),
         seconds("Γb motors", force, lag, [0.4, 0.21, 0.02]),
-        seconds("Γb motors, told", force, told, [0.4, 0.4, 0.36]),
+        seconds("Γb motors, told", force, modelled_lag, [0.4, 0.4, 0.36]),
         // Whether 0.07 and 0.08 s fly at T7 turns on the last bit: 1e-14 rad on the reference decides.
         Limit { steps: 2.0, ..seconds("Γa' motors", attitude, lag, [0.06, 0.03, 0.0]) },
-        seconds("Γa' motors, told", attitude, told, [0.4, 0.4, 0.4]),
+        seconds("Γa' motors, told", attitude, modelled_lag, [0.4, 0.4, 0.4]),
     ]
 }
 
-fn limits(ask: &Ask, report: &mut Report) -> Result<(), String> {
+fn limits(settings: &Settings, report: &mut Report) -> Result<(), String> {
     let rows = limit_rows();
     let cases: Vec<(&Limit, f64, f64)> = rows
         .iter()
@@ -407,7 +409,7 @@ fn limits(ask: &Ask, report: &mut Report) -> Result<(), String> {
         &cases,
         parallel::cores(),
         |(row, duration, _)| {
-            scan::limit(ask, row.step, row.end, |x| {
+            scan::limit(settings, row.step, row.end, |x| {
                 let mut s = (row.base)(*duration);
                 (row.change)(&mut s, x);
                 s

@@ -1,17 +1,17 @@
 //! Every acceptance row of the specifications of taut-tether sensing and self-localisation, each beside
 //! its limit.
 
-use super::{Ask, Report, localization, tether_angle, thrust};
+use super::{Report, Settings, localization, tether_angle, thrust};
 
 /// All of them.
-pub fn run(ask: &Ask) -> Result<Report, String> {
+pub fn run(settings: &Settings) -> Result<Report, String> {
     let mut report = Report::default();
-    tether_angle::monte_carlo(&mut report, ask.seed)?;
-    tether_angle::add_poles(&mut report, ask)?;
-    tether_angle::add_loop(&mut report, ask)?;
-    tether_angle::add_space(&mut report, ask)?;
-    localization::add_accuracy(&mut report, ask)?;
-    localization::add_headroom(&mut report, ask)?;
+    tether_angle::monte_carlo(&mut report, settings.seed)?;
+    tether_angle::add_poles(&mut report, settings)?;
+    tether_angle::add_loop(&mut report, settings)?;
+    tether_angle::add_space(&mut report, settings)?;
+    localization::add_accuracy(&mut report, settings)?;
+    localization::add_headroom(&mut report, settings)?;
     thrust::add_fits(&mut report)?;
     Ok(report)
 }

@@ -1,11 +1,11 @@
 //! The taut-link modes on the whole simulated quadrotor: `flight` section 7, twenty seeds a row.
 
 use super::flown::why_lost;
-use super::{Ask, Compare, Report};
+use super::{Compare, Report, Settings};
+use crate::campaign::parallel;
 use crate::flight::Flight;
-use crate::parallel;
+use crate::metrics::TautSummary;
 use crate::scenario::{Scenario, Step, TautControl, TetherKind};
-use crate::taut_metrics::TautSummary;
 
 /// Vehicle, sensors and parameters of every row.
 const BASE: &str = include_str!("../../scenarios/taut.toml");
@@ -31,7 +31,7 @@ struct Row {
     begin: f64,
     duration: f64,
     hold: f64,
-    /// On a bar: not judged after the crossing, s.
+    /// On a bar: not scored after the crossing, s.
     settle: f64,
     /// Peak of the gusts, m/s; steady wind from the anchor's side, m/s.
     gust: f64,
@@ -219,9 +219,13 @@ fn attitude_tension(mass: f64, elevation: f64, pitch: f64) -> f64 {
 }
 
 /// One flight: why lost, if lost, and the figures.
-fn fly(row: &Row, ask: &Ask, seed: u64) -> Result<(Option<String>, Option<TautSummary>), String> {
+fn fly(
+    row: &Row,
+    settings: &Settings,
+    seed: u64,
+) -> Result<(Option<String>, Option<TautSummary>), String> {
     let own = scenario(row, seed)?;
-    let s = ask.on(own)?;
+    let s = settings.on(own)?;
     let params = s.params().map_err(|e| e.0)?;
     let mut flight = Flight::new(&s, params, seed, std::io::sink()).map_err(|e| e.0)?;
     if row.kind == TetherKind::Bar {
@@ -232,11 +236,11 @@ fn fly(row: &Row, ask: &Ask, seed: u64) -> Result<(Option<String>, Option<TautSu
 }
 
 /// Every row over all seeds, worst beside its limit.
-pub fn run(ask: &Ask) -> Result<Report, String> {
-    let seeds = ask.seeds(SEEDS)?;
+pub fn run(settings: &Settings) -> Result<Report, String> {
+    let seeds = settings.seeds(SEEDS)?;
     let mut report = Report::default();
     for row in rows() {
-        fly_row(&row, ask, &seeds, &mut report)?;
+        fly_row(&row, settings, &seeds, &mut report)?;
     }
     report.notes.push(format!(
         "Worst of {} seeds, each with its own start error (5 deg, 1 N), thrust error (1 %), gyro bias \
@@ -246,8 +250,13 @@ pub fn run(ask: &Ask) -> Result<Report, String> {
     Ok(report)
 }
 
-fn fly_row(row: &Row, ask: &Ask, numbers: &[u64], report: &mut Report) -> Result<(), String> {
-    let flown = parallel::map(numbers, parallel::cores(), |&seed| fly(row, ask, seed), |_| {});
+fn fly_row(
+    row: &Row,
+    settings: &Settings,
+    numbers: &[u64],
+    report: &mut Report,
+) -> Result<(), String> {
+    let flown = parallel::map(numbers, parallel::cores(), |&seed| fly(row, settings, seed), |_| {});
     let mut lost = 0.0;
     let mut worst = [0.0_f64; 4];
     for (seed, outcome) in numbers.iter().zip(flown) {

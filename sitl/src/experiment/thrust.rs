@@ -1,6 +1,6 @@
 //! Thrust identification: the article's Table 1 on a synthetic record, and on the simulator's own flights.
 
-use super::{Ask, Compare, Report};
+use super::{Compare, Report, Settings};
 use crate::sysid::{Identified, Model, draw_predictions, identify, parse_csv, prepare};
 
 /// The synthetic record of the specification, the same that the golden vectors hold.
@@ -60,8 +60,8 @@ pub fn add_fits(report: &mut Report) -> Result<Vec<Result<Identified, String>>, 
 }
 
 /// Table 1.
-pub fn table(ask: &Ask) -> Result<Report, String> {
-    ask.no_settings()?;
+pub fn table(settings: &Settings) -> Result<Report, String> {
+    settings.no_settings()?;
     let mut report = Report::default();
     let found = add_fits(&mut report)?;
     for (result, (_, _, article)) in found.iter().zip(TABLE) {

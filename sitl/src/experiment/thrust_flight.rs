@@ -1,19 +1,19 @@
-//! A vehicle whose rotors are not what its parameters say: shaken in free flight, identified from its own
+//! A vehicle whose rotors differ from its parameters: excited in free flight, identified from its own
 //! log, flown on the tether before and after.
 
 use super::angle_flight::{BASE, LONGEST};
 use super::flown::why_lost;
-use super::{Ask, Compare, Report};
+use super::{Compare, Report, Settings};
+use crate::campaign::parallel;
 use crate::flight::Flight;
-use crate::parallel;
 use crate::scenario::{Scenario, Step, TetherKind, set_param};
 use crate::sysid::{PwmRange, ThrustFit, fit_thrust_map, read_log};
 use tautline_firmware::param::Params;
 use tautline_firmware::supervisor::Mode;
 
-/// What the parameters say too much of the thrust, and of its curve: the true one is 1.
-const THRUST_BELIEVED: f64 = 1.06;
-const FACTOR_BELIEVED: f32 = 0.8;
+/// By how much the parameters overstate the thrust, and its curve: the true one is 1.
+const THRUST_ASSUMED: f64 = 1.06;
+const FACTOR_ASSUMED: f32 = 0.8;
 /// Of the excitation, s and m.
 const EXCITED: f64 = 60.0;
 const HEIGHT: f64 = 5.0;
@@ -25,15 +25,15 @@ fn vehicle() -> Result<Scenario, String> {
     let mut s = Scenario::parse(BASE, "angle.toml").map_err(|e| e.0)?;
     let v = &s.vehicle;
     let true_max = v.thrust_coefficient * v.rotor_speed_max * v.rotor_speed_max;
-    s.params.insert("MOT_THR_MAX".into(), (true_max * THRUST_BELIEVED) as f32);
-    s.params.insert("THR_MDL_FAC".into(), FACTOR_BELIEVED);
+    s.params.insert("MOT_THR_MAX".into(), (true_max * THRUST_ASSUMED) as f32);
+    s.params.insert("THR_MDL_FAC".into(), FACTOR_ASSUMED);
     s.vehicle.common_thrust_error = 0.0;
     Ok(s)
 }
 
 /// Shakes it without a tether and identifies from the log.
-fn identify(ask: &Ask, seed: u64) -> Result<ThrustFit, String> {
-    let mut s = ask.on(vehicle()?)?;
+fn identify(settings: &Settings, seed: u64) -> Result<ThrustFit, String> {
+    let mut s = settings.on(vehicle()?)?;
     s.tether.kind = TetherKind::None;
     s.mission = vec![
         Step::Altitude,
@@ -54,8 +54,8 @@ fn identify(ask: &Ask, seed: u64) -> Result<ThrustFit, String> {
 }
 
 /// Tether Angle at 30 deg: mean thrust error, estimate and tracking rms, rad.
-fn fly(ask: &Ask, seed: u64, known: Option<&ThrustFit>) -> Result<[f64; 3], String> {
-    let s = ask.on(vehicle()?)?;
+fn fly(settings: &Settings, seed: u64, known: Option<&ThrustFit>) -> Result<[f64; 3], String> {
+    let s = settings.on(vehicle()?)?;
     let mut params = s.params().map_err(|e| e.0)?;
     for (name, value) in known.iter().flat_map(|fit| fit.parameters()) {
         set_param(&mut params, name, value as f32)?;
@@ -65,7 +65,7 @@ fn fly(ask: &Ask, seed: u64, known: Option<&ThrustFit>) -> Result<[f64; 3], Stri
     while flight.world.time() < LONGEST && !flight.is_over() {
         let out = flight.step(&mut |_| {});
         if out.mode == Mode::TetherAngle {
-            sum += flight.world.outside.plant.thrust() / f64::from(out.estimate.thrust) - 1.0;
+            sum += flight.world.environment.plant.thrust() / f64::from(out.estimate.thrust) - 1.0;
             count += 1.0;
         }
     }
@@ -75,14 +75,14 @@ fn fly(ask: &Ask, seed: u64, known: Option<&ThrustFit>) -> Result<[f64; 3], Stri
 }
 
 /// Before and after.
-pub fn run(ask: &Ask) -> Result<Report, String> {
+pub fn run(settings: &Settings) -> Result<Report, String> {
     let mut report = Report::default();
-    let seeds = ask.seeds(SEEDS)?;
+    let seeds = settings.seeds(SEEDS)?;
     let truth = vehicle()?.vehicle;
     let true_max = truth.thrust_coefficient * truth.rotor_speed_max * truth.rotor_speed_max;
     let work = |seed: &u64| -> Result<_, String> {
-        let fit = identify(ask, *seed)?;
-        Ok((fit, fly(ask, *seed, None)?, fly(ask, *seed, Some(&fit))?))
+        let fit = identify(settings, *seed)?;
+        Ok((fit, fly(settings, *seed, None)?, fly(settings, *seed, Some(&fit))?))
     };
     let mut worst = [[0.0_f64; 3]; 2];
     let mut off = [0.0_f64; 3];

@@ -1,5 +1,7 @@
 //! Lithium battery: open-circuit voltage by charge, sag by resistance.
 
+use crate::scenario::BatterySection;
+
 /// Pack.
 #[derive(Clone, Debug)]
 pub struct BatteryModel {
@@ -13,6 +15,20 @@ pub struct BatteryModel {
     pub charge: f64,
     /// Electronics, W.
     pub base_power: f64,
+}
+
+impl BatteryModel {
+    /// As the scenario describes it.
+    #[must_use]
+    pub fn new(battery: &BatterySection) -> Self {
+        Self {
+            cells: battery.cells,
+            capacity: battery.capacity,
+            resistance: battery.resistance,
+            charge: battery.charge,
+            base_power: 4.0,
+        }
+    }
 }
 
 /// State.

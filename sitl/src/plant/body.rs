@@ -1,6 +1,7 @@
 //! Rigid body.
 
 use super::{GRAVITY, V3};
+use crate::scenario::VehicleSection;
 use nalgebra::UnitQuaternion;
 
 /// Mass, inertia, drag.
@@ -19,6 +20,18 @@ pub struct BodyModel {
 }
 
 impl BodyModel {
+    /// As the scenario describes it.
+    #[must_use]
+    pub fn new(vehicle: &VehicleSection) -> Self {
+        Self {
+            mass: vehicle.mass,
+            inertia: V3::from(vehicle.inertia),
+            drag_linear: V3::from(vehicle.drag_linear),
+            drag_quadratic: vehicle.drag_quadratic,
+            rate_damping: vehicle.rate_damping,
+        }
+    }
+
     /// Drag, N, for a velocity relative to the air, m/s, both in body axes.
     #[must_use]
     pub fn drag(&self, air: &V3) -> V3 {

@@ -1,6 +1,7 @@
 //! Flat ground under four feet: spring and damper upwards, stick and slip sideways.
 
 use super::{Body, BodyModel, GRAVITY, V3};
+use crate::scenario::VehicleSection;
 
 /// Feet and soil.
 #[derive(Clone, Debug)]
@@ -18,6 +19,20 @@ pub struct GroundModel {
 }
 
 impl GroundModel {
+    /// Under the vehicle that the scenario describes.
+    #[must_use]
+    pub fn new(vehicle: &VehicleSection) -> Self {
+        // Feet that carry a kilogram would throw a hundred grams about.
+        let light = vehicle.mass.min(1.0);
+        Self {
+            leg_height: vehicle.leg_height,
+            leg_spread: (0.85 * vehicle.arm).min(0.15),
+            stiffness: 2_000.0 * light,
+            damping: 60.0 * light,
+            friction: 0.8,
+        }
+    }
+
     /// Height of the centre of mass at rest, m.
     #[must_use]
     pub fn rest_height(&self, body: &BodyModel) -> f64 {
@@ -61,9 +76,9 @@ impl Ground {
                 -model.stiffness * (place.y - sy) - model.damping * speed.y,
                 0.0,
             );
-            let grip = model.friction * normal;
-            if side.norm() > grip {
-                side *= grip / side.norm();
+            let friction_limit = model.friction * normal;
+            if side.norm() > friction_limit {
+                side *= friction_limit / side.norm();
                 // Slipping: the foot drags its anchor along.
                 *stuck =
                     Some((place.x + side.x / model.stiffness, place.y + side.y / model.stiffness));

@@ -6,7 +6,9 @@
 mod anchor;
 mod battery;
 mod body;
+mod disturbance;
 mod ground;
+mod integrate;
 mod push;
 mod rod;
 mod rotor;
@@ -16,13 +18,16 @@ mod wind;
 pub use anchor::{Anchor, Walk};
 pub use battery::{Battery, BatteryModel};
 pub use body::{Body, BodyModel};
+pub use disturbance::Disturbance;
 pub use ground::{Ground, GroundModel};
+pub use integrate::runge_kutta;
 pub use push::Push;
 pub use rod::{Rod, RodModel, RodPhase};
 pub use rotor::{Rotor, RotorModel};
 pub use tether::{Tether, TetherModel, WinchModel};
 pub use wind::{Gusts, Wind, WindModel};
 
+use crate::scenario::Scenario;
 use nalgebra::Vector3;
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64Mcg;
@@ -75,6 +80,23 @@ pub struct PlantModel {
     pub ground: GroundModel,
     /// Battery.
     pub battery: BatteryModel,
+}
+
+impl PlantModel {
+    /// As the scenario describes it; the wind blows from `wind_from`, rad from North, when the file
+    /// leaves that open.
+    #[must_use]
+    pub fn new(scenario: &Scenario, wind_from: f64) -> Self {
+        Self {
+            body: BodyModel::new(&scenario.vehicle),
+            rotor: RotorModel::new(&scenario.vehicle),
+            tether: TetherModel::new(&scenario.tether, scenario.vehicle.mass),
+            rod: RodModel::new(&scenario.rod),
+            wind: WindModel::new(&scenario.wind, wind_from),
+            ground: GroundModel::new(&scenario.vehicle),
+            battery: BatteryModel::new(&scenario.battery),
+        }
+    }
 }
 
 /// The state of everything physical.

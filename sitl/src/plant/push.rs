@@ -1,8 +1,7 @@
 //! A force from nowhere on the vehicle, as in the article on the flying pendulum; it comes up softly once
 //! the vehicle flies.
 
-use super::V3;
-use crate::pendulum::Disturbance;
+use super::{Disturbance, V3};
 
 /// Height at which it begins, m, and time until it is whole, s.
 const HEIGHT: f64 = 0.5;

@@ -3,6 +3,7 @@
 //! A hand holds it until it is released; it falls out of the cup when it leans too far.
 
 use super::{GRAVITY, V3};
+use crate::scenario::RodSection;
 
 /// What does not move.
 #[derive(Clone, Debug)]
@@ -13,6 +14,16 @@ pub struct RodModel {
     pub length: f64,
     /// Direction in which the hand holds it: vehicle → load.
     pub held: V3,
+}
+
+impl RodModel {
+    /// As the scenario describes it; `None`: without a load there is no rod.
+    #[must_use]
+    pub fn new(rod: &RodSection) -> Option<Self> {
+        let ((sin, cos), (east, north)) = (rod.tilt.sin_cos(), rod.azimuth.sin_cos());
+        let held = V3::new(sin * north, sin * east, -cos);
+        (rod.load_mass > 0.0).then_some(Self { load_mass: rod.load_mass, length: rod.length, held })
+    }
 }
 
 /// How it stands.
@@ -110,7 +121,7 @@ impl Rod {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::integrate::runge_kutta;
+    use crate::plant::runge_kutta;
 
     #[test]
     fn it_falls_as_the_pendulum_of_the_article_does() {

@@ -1,5 +1,7 @@
 //! A rotor with its ESC and motor: first-order speed, thrust and drag torque by the square of speed.
 
+use crate::scenario::VehicleSection;
+
 /// All rotors alike.
 #[derive(Clone, Debug)]
 pub struct RotorModel {
@@ -25,12 +27,31 @@ pub struct RotorModel {
     pub efficiency: f64,
 }
 
+impl RotorModel {
+    /// As the scenario describes them.
+    #[must_use]
+    pub fn new(vehicle: &VehicleSection) -> Self {
+        Self {
+            arm: vehicle.arm,
+            thrust_coefficient: vehicle.thrust_coefficient,
+            torque_ratio: vehicle.torque_ratio,
+            speed_max: vehicle.rotor_speed_max,
+            nominal_voltage: vehicle.nominal_voltage,
+            curve: vehicle.throttle_curve,
+            time_constant: vehicle.rotor_time_constant,
+            common_gain_error: vehicle.common_thrust_error,
+            gain_error: vehicle.rotor_thrust_error,
+            efficiency: 0.65,
+        }
+    }
+}
+
 /// State.
 #[derive(Clone, Debug)]
 pub struct Rotor {
     /// rad/s.
     pub speed: f64,
-    wanted: f64,
+    target: f64,
     gain: f64,
 }
 
@@ -38,18 +59,18 @@ impl Rotor {
     /// Standing still; `gain` scales its thrust.
     #[must_use]
     pub fn new(gain: f64) -> Self {
-        Self { speed: 0.0, wanted: 0.0, gain }
+        Self { speed: 0.0, target: 0.0, gain }
     }
 
     /// Takes a throttle at this voltage; it holds until the next.
     pub fn command(&mut self, model: &RotorModel, throttle: f64, voltage: f64) {
         let top = model.speed_max * voltage / model.nominal_voltage;
-        self.wanted = top * throttle.clamp(0.0, 1.0).powf(model.curve);
+        self.target = top * throttle.clamp(0.0, 1.0).powf(model.curve);
     }
 
     /// Thrust, N, `dt` s later.
     pub fn step(&mut self, model: &RotorModel, dt: f64) -> f64 {
-        self.speed += (self.wanted - self.speed) * (dt / model.time_constant).min(1.0);
+        self.speed += (self.target - self.speed) * (dt / model.time_constant).min(1.0);
         self.thrust(model)
     }
 

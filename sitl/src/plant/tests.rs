@@ -5,7 +5,7 @@ fn plant(edit: impl FnOnce(&mut Scenario)) -> Plant {
     let mut scenario = Scenario::default();
     edit(&mut scenario);
     let (distance, heading) = scenario.start();
-    Plant::new(scenario.plant(), distance, heading, 1)
+    Plant::new(PlantModel::new(&scenario, 0.0), distance, heading, 1)
 }
 
 #[test]
@@ -59,8 +59,8 @@ fn a_fixed_tether_pulls_only_when_stretched_and_then_towards_the_anchor() {
     assert!((p.tether.tension - expected).abs() < 1e-9);
     assert!((taut.x + 0.6 * expected).abs() < 1e-9);
     // Rushing inwards, the damper may not push.
-    let rush = -at(30.0);
-    p.tether.step(&model, &at(length + 1e-4), &rush, &still, 0.0, 0.0, DT);
+    let closing = -at(30.0);
+    p.tether.step(&model, &at(length + 1e-4), &closing, &still, 0.0, 0.0, DT);
     assert!(p.tether.tension >= 0.0);
 }
 

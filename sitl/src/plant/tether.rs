@@ -1,8 +1,9 @@
-//! The tether: pulls, never pushes; or a strut, which only pushes, or a bar, which does both. At a fixed length a unilateral spring and damper; on a winch a
-//! tension with lag, friction, ripple and a slow error. Half its weight and a third of its drag hang on
-//! the vehicle.
+//! The tether: pulls, never pushes; or a strut, which only pushes, or a bar, which does both. At a fixed
+//! length a unilateral spring and damper; on a winch a tension with lag, friction, ripple and a slow
+//! error. Half its weight and a third of its drag hang on the vehicle.
 
 use super::{GRAVITY, V3, uniform};
+use crate::scenario::{TetherKind, TetherSection};
 use rand_pcg::Pcg64Mcg;
 use std::f64::consts::TAU;
 
@@ -46,6 +47,35 @@ pub struct TetherModel {
     pub pushes: bool,
     /// Cut: nothing pulls.
     pub is_broken: bool,
+}
+
+impl TetherModel {
+    /// As the scenario describes it, for a vehicle of `mass` kg.
+    #[must_use]
+    pub fn new(tether: &TetherSection, mass: f64) -> Self {
+        let kind = tether.kind;
+        let is_free = kind == TetherKind::None;
+        Self {
+            winch: (kind == TetherKind::Winch).then_some(WinchModel {
+                lag: tether.winch_lag,
+                error: tether.winch_error,
+                friction: tether.winch_friction,
+                ripple: tether.winch_ripple,
+                length_max: tether.winch_length_max,
+            }),
+            length: tether.length,
+            stiffness: tether.stiffness,
+            damping_ratio: tether.damping_ratio,
+            reference_mass: mass,
+            // No line hangs on a vehicle without one.
+            line_density: if is_free { 0.0 } else { tether.line_density },
+            diameter: if is_free { 0.0 } else { tether.diameter },
+            attachment: tether.attachment,
+            pulls: !matches!(kind, TetherKind::Strut | TetherKind::None),
+            pushes: matches!(kind, TetherKind::Strut | TetherKind::Bar),
+            is_broken: false,
+        }
+    }
 }
 
 /// State.

@@ -2,6 +2,7 @@
 //! scale lengths want them.
 
 use super::{V3, normal, uniform};
+use crate::scenario::WindSection;
 use rand_pcg::Pcg64Mcg;
 
 /// Turbulence.
@@ -24,6 +25,19 @@ pub struct WindModel {
     pub gusts: Gusts,
     /// Peak of the recurring gust, m/s; zero: none.
     pub pulse: f64,
+}
+
+impl WindModel {
+    /// As the scenario describes it; `from` is the direction, rad, when it leaves that open.
+    #[must_use]
+    pub fn new(wind: &WindSection, from: f64) -> Self {
+        Self {
+            speed: wind.speed,
+            from: wind.from.unwrap_or(from),
+            gusts: if wind.gusts { Gusts::Dryden } else { Gusts::None },
+            pulse: wind.pulse,
+        }
+    }
 }
 
 /// Filters of the three components: along, across, down.

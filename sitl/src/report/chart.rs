@@ -17,7 +17,7 @@ pub const TRUTH: RGBColor = RGBColor(30, 30, 30);
 pub const TRUTH_FAINT: RGBColor = RGBColor(165, 165, 165);
 /// What the firmware believes.
 pub const ESTIMATE: RGBColor = RGBColor(200, 60, 40);
-/// What is asked.
+/// Set-points.
 pub const SETPOINT: RGBColor = RGBColor(40, 110, 200);
 /// A third series beside truth and estimate.
 pub const THIRD: RGBColor = RGBColor(40, 140, 90);

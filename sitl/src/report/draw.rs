@@ -40,7 +40,7 @@ fn try_draw(data: &FlightData, title: &str, path: &Path) -> Result<(), Box<dyn E
     let [true_elevation, true_azimuth, true_tension] = &data.true_tether;
     let [elevation, azimuth, estimated_tension] = &data.tether;
     let degrees = |s: &Series| s.iter().map(|&(t, a)| (t, a.to_degrees())).collect::<Series>();
-    let [by_inertia, force_by_inertia, wanted] = &data.taut;
+    let [by_inertia, force_by_inertia, setpoint] = &data.taut;
     let mut lines = vec![
         Line::new("truth", TRUTH, degrees(true_elevation)),
         Line::new("estimate", ESTIMATE, degrees(elevation)),
@@ -49,7 +49,7 @@ fn try_draw(data: &FlightData, title: &str, path: &Path) -> Result<(), Box<dyn E
     ];
     if !by_inertia.is_empty() {
         lines.push(Line::new("by inertia alone", THIRD, degrees(by_inertia)));
-        lines.push(Line::new("set-point", SETPOINT, degrees(wanted)));
+        lines.push(Line::new("set-point", SETPOINT, degrees(setpoint)));
     }
     // Where the curves leave room.
     let legend = if by_inertia.is_empty() {

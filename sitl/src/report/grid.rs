@@ -11,7 +11,7 @@ pub type Cell = (Panel, Vec<Line>);
 /// Rows by columns, left to right and down; each chart 600 by 380.
 ///
 /// # Errors
-/// What the drawing says.
+/// The drawing's error.
 pub fn grid(path: &Path, columns: usize, cells: &[Cell]) -> Result<(), Box<dyn Error>> {
     let columns = columns.max(1);
     let rows = cells.len().div_ceil(columns);

@@ -88,9 +88,9 @@ pub struct FlightData {
     pub tether: [Series; 3],
     /// The same.
     pub true_tether: [Series; 3],
-    /// Tension asked of the winch, N.
+    /// Tension set-point of the winch, N.
     pub winch: Series,
-    /// In the taut-link modes: elevation rad and link force N by inertia, elevation wanted, rad.
+    /// In the taut-link modes: elevation rad and link force N by inertia, elevation set-point, rad.
     pub taut: [Series; 3],
 }
 

@@ -1,4 +1,4 @@
-//! Curves in space, seen from above and aside. World NED in, drawn with height upwards.
+//! Curves in space, from above and aside. World NED in, drawn with height upwards.
 
 use plotters::prelude::*;
 use std::borrow::Cow;
@@ -47,7 +47,7 @@ fn ranges(curves: &[Curve]) -> [Range<f64>; 3] {
 /// Draws them in one box, 900 by 760.
 ///
 /// # Errors
-/// What the drawing says.
+/// The drawing's error.
 pub fn curves(path: &Path, title: &str, curves: &[Curve]) -> Result<(), Box<dyn Error>> {
     let root = SVGBackend::new(path, (900, 760)).into_drawing_area();
     root.fill(&WHITE)?;

@@ -1,21 +1,28 @@
 //! What is simulated: a TOML file, checked whole before the first step.
 //!
 //! Every key has a default (a 1.5 kg, 500 mm quadrotor on 4S and a constant-tension winch); unknown
-//! keys are errors. Errors name file, key and allowed range.
+//! keys are errors. Errors name file, key and allowed range. A key is one line of `sections.rs`.
 
-mod build;
+mod arithmetic;
 mod check;
-mod free;
-pub(crate) use check::within;
+mod fault;
+mod key;
+mod mission;
+mod operator;
+pub mod params_file;
 mod sections;
+pub mod settings;
 
-pub use free::{CaptureSection, PushSection, RodSection};
+pub use arithmetic::Arithmetic;
+pub(crate) use check::within;
+pub use fault::{FaultKind, FaultSection, Faults, Source};
+pub use key::Key;
+pub use mission::{Step, TautControl};
 pub use sections::{
-    BatterySection, FaultKind, FaultSection, SensorSection, Step, TautControl, TetherKind,
-    TetherSection, VehicleSection, WindSection,
+    BatterySection, CaptureSection, DisturbanceKind, PushSection, RodSection, SensorSection,
+    TetherKind, TetherSection, VehicleSection, WindSection, keys,
 };
 
-use crate::autopilot::Arithmetic;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -49,7 +56,7 @@ pub struct Scenario {
     pub params: BTreeMap<String, f32>,
     /// Faults, at their times.
     pub fault: Vec<FaultSection>,
-    /// What the built-in pilot flies; empty: nobody flies.
+    /// What the built-in mission runner flies; empty: nobody flies.
     pub mission: Vec<Step>,
 }
 
@@ -143,6 +150,32 @@ mod tests {
             let got = Scenario::parse(text, "s.toml").unwrap_err().0;
             assert!(got.contains(want), "{got:?} should contain {want:?}");
             assert!(!got.contains('\n'));
+        }
+    }
+
+    #[test]
+    fn every_key_is_listed_once_with_its_default_and_refused_beyond_its_range() {
+        let all = toml::Value::try_from(Scenario::default()).unwrap();
+        for key in keys() {
+            let is_same = |other: &&Key| (other.section, other.name) == (key.section, key.name);
+            assert_eq!(keys().filter(is_same).count(), 1, "{} twice", key.name);
+            let default = (key.default)();
+            let written = all.get(key.section).and_then(|section| section.get(key.name));
+            assert_eq!(written, default.as_ref(), "{}", key.name);
+            let Some((min, max)) = key.range else { continue };
+            for beyond in [min - 1.0, 2.0 * max + 1.0] {
+                let value = match default {
+                    Some(toml::Value::Array(_)) => format!("[{max:?}, {beyond:?}, {max:?}]"),
+                    _ => format!("{beyond:?}"),
+                };
+                let text = format!("[{}]\n{} = {value}", key.section, key.name);
+                let got = Scenario::parse(&text, "s.toml").unwrap_err().0;
+                let (name, range) = (
+                    format!("s.toml: {}.{}", key.section, key.name),
+                    format!("is outside {min} to {max}"),
+                );
+                assert!(got.starts_with(&name) && got.ends_with(&range), "{got}");
+            }
         }
     }
 

@@ -1,67 +1,7 @@
-//! The sections of a scenario file and their defaults.
+//! All keys of a scenario's sections. One line each: key, type, unit, default, range.
 
+use super::key::sections;
 use serde::{Deserialize, Serialize};
-
-/// `[vehicle]`.
-#[derive(Clone, Debug, Deserialize, Serialize, PartialEq)]
-#[serde(default, deny_unknown_fields)]
-pub struct VehicleSection {
-    /// kg.
-    pub mass: f64,
-    /// kg m².
-    pub inertia: [f64; 3],
-    /// Hub distance along each axis, m.
-    pub arm: f64,
-    /// N/(rad/s)².
-    pub thrust_coefficient: f64,
-    /// m.
-    pub torque_ratio: f64,
-    /// rad/s at nominal voltage.
-    pub rotor_speed_max: f64,
-    /// V.
-    pub nominal_voltage: f64,
-    /// Exponent from throttle to speed.
-    pub throttle_curve: f64,
-    /// s.
-    pub rotor_time_constant: f64,
-    /// ± of all rotors together.
-    pub common_thrust_error: f64,
-    /// ± of each rotor.
-    pub rotor_thrust_error: f64,
-    /// N s/m.
-    pub drag_linear: [f64; 3],
-    /// N s²/m².
-    pub drag_quadratic: f64,
-    /// N m s/rad.
-    pub rate_damping: f64,
-    /// Centre of mass over the feet, m.
-    pub leg_height: f64,
-    /// Heading of the nose at start, rad.
-    pub heading: f64,
-}
-
-impl Default for VehicleSection {
-    fn default() -> Self {
-        Self {
-            mass: 1.5,
-            inertia: [0.016, 0.016, 0.029],
-            arm: 0.177,
-            thrust_coefficient: 1.55e-5,
-            torque_ratio: 0.0167,
-            rotor_speed_max: 723.0,
-            nominal_voltage: 15.2,
-            throttle_curve: 0.75,
-            rotor_time_constant: 0.03,
-            common_thrust_error: 0.02,
-            rotor_thrust_error: 0.01,
-            drag_linear: [0.18, 0.18, 0.06],
-            drag_quadratic: 0.012,
-            rate_damping: 0.004,
-            leg_height: 0.15,
-            heading: 0.0,
-        }
-    }
-}
 
 /// Ground end of the tether.
 #[derive(Clone, Copy, Debug, Default, Deserialize, Serialize, PartialEq, Eq)]
@@ -94,288 +34,181 @@ impl TetherKind {
     }
 }
 
-/// `[tether]`.
-#[derive(Clone, Debug, Deserialize, Serialize, PartialEq)]
-#[serde(default, deny_unknown_fields)]
-pub struct TetherSection {
-    /// winch, fixed, strut, bar or none.
-    pub kind: TetherKind,
-    /// Length when fixed, m.
-    pub length: f64,
-    /// EA, N.
-    pub stiffness: f64,
-    /// Of the vehicle on the line.
-    pub damping_ratio: f64,
-    /// kg/m.
-    pub line_density: f64,
-    /// m.
-    pub diameter: f64,
-    /// Below the centre of mass, m.
-    pub attachment: f64,
-    /// Fixed: how much closer than taut the vehicle starts, m.
-    pub start_slack: f64,
-    /// Start of the vehicle from the anchor (winch) or the origin (none), m.
-    pub start_distance: f64,
-    /// s.
-    pub winch_lag: f64,
-    /// ±.
-    pub winch_error: f64,
-    /// N.
-    pub winch_friction: f64,
-    /// N.
-    pub winch_ripple: f64,
-    /// Longest line, m.
-    pub winch_length_max: f64,
-}
-
-impl Default for TetherSection {
-    fn default() -> Self {
-        Self {
-            kind: TetherKind::Winch,
-            length: 10.0,
-            stiffness: 3_000.0,
-            damping_ratio: 0.15,
-            line_density: 0.002,
-            diameter: 0.0015,
-            attachment: 0.05,
-            start_slack: 0.0,
-            start_distance: 0.8,
-            winch_lag: 0.05,
-            winch_error: 0.03,
-            winch_friction: 0.3,
-            winch_ripple: 0.15,
-            winch_length_max: 60.0,
-        }
-    }
-}
-
-/// `[wind]`.
-#[derive(Clone, Debug, Default, Deserialize, Serialize, PartialEq)]
-#[serde(default, deny_unknown_fields)]
-pub struct WindSection {
-    /// Mean, m/s.
-    pub speed: f64,
-    /// Direction from which it blows, rad from North; drawn by the seed when absent.
-    pub from: Option<f64>,
-    /// Dryden turbulence on top.
-    pub gusts: bool,
-    /// Peak of a gust of 1-cos shape, 3 s long, every 5 s, each from another side, m/s; a fifth of it as
-    /// turbulence on top.
-    pub pulse: f64,
-}
-
-/// `[sensors]`: standard deviations and densities; zero everything for ideal sensors.
-#[derive(Clone, Debug, Deserialize, Serialize, PartialEq)]
-#[serde(default, deny_unknown_fields)]
-pub struct SensorSection {
-    /// rad/s/√Hz.
-    pub gyro_noise_density: f64,
-    /// m/s²/√Hz.
-    pub accel_noise_density: f64,
-    /// ±, rad/s.
-    pub gyro_bias: f64,
-    /// ±, m/s².
-    pub accel_bias: f64,
-    /// Random walk, rad/s/√s.
-    pub gyro_drift: f64,
-    /// Random walk, m/s²/√s.
-    pub accel_drift: f64,
-    /// How much the inertial sensor still warms up after the start, K. A board that was just switched
-    /// on has about 12 to go; the default is one that stood for some minutes.
-    pub warm_up: f64,
-    /// Accelerometer vibration at hover, m/s² rms.
-    pub vibration: f64,
-    /// Gyro vibration per accelerometer vibration, rad/s per m/s².
-    pub gyro_vibration_ratio: f64,
-    /// m.
-    pub range_noise: f64,
-    /// Pa.
-    pub pressure_noise: f64,
-    /// Pa/√s.
-    pub pressure_drift: f64,
-    /// Winch encoder, m.
-    pub length_noise: f64,
-    /// Every n-th rangefinder frame loses a byte; 0 = none.
-    pub range_lost_bytes: u64,
-}
-
-impl Default for SensorSection {
-    fn default() -> Self {
-        Self {
-            gyro_noise_density: 4.9e-5,
-            accel_noise_density: 6.9e-4,
-            gyro_bias: 0.0087,
-            accel_bias: 0.05,
-            gyro_drift: 3e-5,
-            accel_drift: 1e-4,
-            warm_up: 2.0,
-            vibration: 1.0,
-            gyro_vibration_ratio: 0.005,
-            range_noise: 0.02,
-            pressure_noise: 0.5,
-            pressure_drift: 0.2,
-            length_noise: 0.02,
-            range_lost_bytes: 200,
-        }
-    }
-}
-
-/// `[battery]`.
-#[derive(Clone, Debug, Deserialize, Serialize, PartialEq)]
-#[serde(default, deny_unknown_fields)]
-pub struct BatterySection {
-    /// In series.
-    pub cells: f64,
-    /// A h.
-    pub capacity: f64,
-    /// Ω.
-    pub resistance: f64,
-    /// 0..1.
-    pub charge: f64,
-}
-
-impl Default for BatterySection {
-    fn default() -> Self {
-        Self { cells: 4.0, capacity: 5.2, resistance: 0.02, charge: 0.95 }
-    }
-}
-
-/// What can be broken.
-#[derive(Clone, Copy, Debug, Deserialize, Serialize, PartialEq, Eq)]
+/// What pushes on the vehicle.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum FaultKind {
-    /// Inertial registers keep their last values.
-    ImuFrozen,
-    /// No inertial data-ready.
-    ImuSilent,
-    /// The inertial sensor no longer drives its bus.
-    ImuDead,
-    /// Rangefinder silent.
-    RangefinderLost,
-    /// Barometer silent.
-    BarometerLost,
-    /// Both altimeters silent.
-    AltimeterLost,
-    /// The line is cut.
-    TetherBroken,
-    /// The winch no longer reports its length.
-    WinchSilent,
-    /// The battery is at `value` (0..1) of its charge.
-    BatteryAt,
-    /// Nothing from the ground station arrives.
-    LinkLost,
-    /// The gyro reads `value` rad/s too much on every axis.
-    GyroBias,
-    /// No motion capture.
-    CaptureLost,
-    /// Motion capture sees the vehicle, not the rod.
-    RodUnseen,
+pub enum DisturbanceKind {
+    /// Nothing pushes.
+    #[default]
+    None,
+    /// (-0.5, 0.5, -0.8) N.
+    Constant,
+    /// Filtered white noise, a new sample every 0.1 s.
+    Stochastic,
 }
 
-/// `[[fault]]`.
-#[derive(Clone, Debug, Deserialize, Serialize, PartialEq)]
-#[serde(deny_unknown_fields)]
-pub struct FaultSection {
-    /// What.
-    pub kind: FaultKind,
-    /// s since power-up, which is a tenth of a second before the first step.
-    pub at: f64,
-    /// s; to the end when absent.
-    #[serde(default)]
-    pub duration: Option<f64>,
-    /// For the kinds that have one.
-    #[serde(default)]
-    pub value: f64,
-}
+sections! {
+    /// `[vehicle]`: the airframe as it really is.
+    "vehicle" VehicleSection {
+        /// Take-off mass, battery included, tether and load not.
+        mass: f64 ["kg"] = 1.5, in 0.1 ..= 50.0;
+        /// Moments of inertia about nose, right-hand and down axis.
+        inertia: [f64; 3] ["kg m^2"] = [0.016, 0.016, 0.029], in 1e-5 ..= 10.0;
+        /// Distance of each hub from the centre of mass along the nose axis and the right-hand axis.
+        arm: f64 ["m"] = 0.177, in 0.03 ..= 2.0;
+        /// Thrust of a rotor per speed squared.
+        thrust_coefficient: f64 ["N/(rad/s)^2"] = 1.55e-5, in 1e-8 ..= 1e-2;
+        /// Drag torque of a rotor per thrust.
+        torque_ratio: f64 ["m"] = 0.0167, in 1e-4 ..= 0.5;
+        /// Speed of a rotor at full throttle and nominal voltage.
+        rotor_speed_max: f64 ["rad/s"] = 723.0, in 50.0 ..= 10_000.0;
+        /// Battery voltage at which `rotor_speed_max` holds.
+        nominal_voltage: f64 ["V"] = 15.2, in 3.0 ..= 60.0;
+        /// Exponent from throttle to rotor speed.
+        throttle_curve: f64 [""] = 0.75, in 0.3 ..= 2.0;
+        /// Time constant of a rotor's speed.
+        rotor_time_constant: f64 ["s"] = 0.03, in 1e-3 ..= 1.0;
+        /// Error of the thrust of all rotors together, drawn within plus or minus this share.
+        common_thrust_error: f64 [""] = 0.02, in 0.0 ..= 0.5;
+        /// Error of the thrust of each rotor, drawn within plus or minus this share.
+        rotor_thrust_error: f64 [""] = 0.01, in 0.0 ..= 0.5;
+        /// Linear drag along nose, right-hand and down axis.
+        drag_linear: [f64; 3] ["N s/m"] = [0.18, 0.18, 0.06], in 0.0 ..= 10.0;
+        /// Quadratic drag.
+        drag_quadratic: f64 ["N s^2/m^2"] = 0.012, in 0.0 ..= 10.0;
+        /// Damping of the body rates by the air.
+        rate_damping: f64 ["N m s/rad"] = 0.004, in 0.0 ..= 1.0;
+        /// Centre of mass over the feet.
+        leg_height: f64 ["m"] = 0.15, in 0.02 ..= 2.0;
+        /// Heading of the nose at the start, from North.
+        heading: f64 ["rad"] = 0.0, in -6.3 ..= 6.3;
+    }
 
-/// What a taut-link mode controls beside the elevation.
-#[derive(Clone, Copy, Debug, Deserialize, Serialize, PartialEq, Eq)]
-#[serde(rename_all = "lowercase")]
-pub enum TautControl {
-    /// Link force.
-    Force,
-    /// Pitch.
-    Attitude,
-}
+    /// `[tether]`: the line and its ground end.
+    "tether" TetherSection {
+        /// winch, fixed, strut, bar or none.
+        kind: TetherKind [""] = TetherKind::Winch;
+        /// Length when fixed or rigid.
+        length: f64 ["m"] = 10.0, in 1.0 ..= 200.0;
+        /// Stiffness EA.
+        stiffness: f64 ["N"] = 3_000.0, in 10.0 ..= 1e7;
+        /// Damping ratio of the vehicle on the line.
+        damping_ratio: f64 [""] = 0.15, in 0.0 ..= 2.0;
+        /// Mass per length.
+        line_density: f64 ["kg/m"] = 0.002, in 0.0 ..= 1.0;
+        /// Diameter, for the wind's drag.
+        diameter: f64 ["m"] = 0.0015, in 0.0 ..= 0.05;
+        /// Attachment below the centre of mass.
+        attachment: f64 ["m"] = 0.05, in -0.5 ..= 0.5;
+        /// Fixed: how much closer than taut the vehicle starts.
+        start_slack: f64 ["m"] = 0.0, in 0.0 ..= 50.0;
+        /// Start of the vehicle from the anchor (winch) or the origin (none).
+        start_distance: f64 ["m"] = 0.8, in 0.2 ..= 5.0;
+        /// Time constant of the winch's tension.
+        winch_lag: f64 ["s"] = 0.05, in 1e-3 ..= 5.0;
+        /// Error of the winch's tension, drawn within plus or minus this share.
+        winch_error: f64 [""] = 0.03, in 0.0 ..= 0.5;
+        /// Friction of the winch.
+        winch_friction: f64 ["N"] = 0.3, in 0.0 ..= 20.0;
+        /// Ripple of the winch's tension.
+        winch_ripple: f64 ["N"] = 0.15, in 0.0 ..= 20.0;
+        /// Longest line on the winch.
+        winch_length_max: f64 ["m"] = 60.0, in 1.0 ..= 500.0;
+    }
 
-/// `[[mission]]`: one step of the built-in pilot.
-#[derive(Clone, Debug, Deserialize, Serialize, PartialEq)]
-#[serde(tag = "do", rename_all = "snake_case", deny_unknown_fields)]
-pub enum Step {
-    /// Wait until the vehicle says that it can be armed, then arm.
-    Arm,
-    /// Take off to this altitude, m, and wait for the hold.
-    Takeoff {
-        /// m over the anchor.
-        altitude: f64,
-    },
-    /// Stay, and measure.
-    Hold {
-        /// s.
-        seconds: f64,
-    },
-    /// Go to another place and wait until there; absent coordinates stay.
-    Move {
-        /// rad.
-        #[serde(default)]
-        elevation: Option<f64>,
-        /// rad.
-        #[serde(default)]
-        azimuth: Option<f64>,
-        /// m.
-        #[serde(default)]
-        length: Option<f64>,
-        /// N.
-        #[serde(default)]
-        tension: Option<f64>,
-    },
-    /// Change to a taut-link mode and wait until it flies.
-    Taut {
-        /// What it controls.
-        control: TautControl,
-    },
-    /// A smooth step in a taut-link mode; wait until it is flown.
-    TautMove {
-        /// From, to, rad.
-        elevation: [f64; 2],
-        /// Link force, N, or pitch, rad: from, to.
-        second: [f64; 2],
-        /// Which of the two.
-        control: TautControl,
-        /// s.
-        duration: f64,
-    },
-    /// Change to Tether Angle and wait until it flies.
-    TetherAngle,
-    /// Change to Pendulum and wait until it flies; whoever holds the rod lets go.
-    Pendulum,
-    /// A hand takes the rod; the next step follows at once.
-    CatchRod,
-    /// Whoever holds the tether begins to walk; the next step follows at once.
-    WalkAnchor {
-        /// North and East, m.
-        way: [f64; 2],
-        /// m/s.
-        speed: f64,
-        /// Up to that speed and down again, s.
-        ramp: f64,
-    },
-    /// Take the sticks: throttle down, mode Altitude. The pilot keeps them from here on.
-    Altitude,
-    /// In Altitude: climb to a height and shake thrust, roll and pitch there.
-    Excite {
-        /// m over the ground.
-        altitude: f64,
-        /// s, the climb included.
-        seconds: f64,
-    },
-    /// Back to Tether Hold.
-    TetherHold,
-    /// Land and wait until disarmed.
-    Land,
-    /// Wait until disarmed, whatever the reason.
-    AwaitDisarmed {
-        /// s.
-        timeout: f64,
-    },
+    /// `[capture]`: motion capture.
+    "capture" CaptureSection {
+        /// Samples per second; zero: no motion capture.
+        rate: f64 ["Hz"] = 0.0, in 0.0 ..= 1000.0;
+        /// Time until a sample arrives.
+        delay: f64 ["s"] = 0.02, in 0.0 ..= 1.0;
+        /// Further delay, drawn up to this much.
+        jitter: f64 ["s"] = 0.002, in 0.0 ..= 1.0;
+        /// Share of samples that never arrive.
+        dropped: f64 [""] = 0.01, in 0.0 ..= 1.0;
+        /// Standard deviation of the position, each axis.
+        position_noise: f64 ["m"] = 1e-3, in 0.0 ..= 1.0;
+        /// Standard deviation of the attitude, each axis.
+        attitude_noise: f64 ["rad"] = 2e-3, in 0.0 ..= 1.0;
+        /// Standard deviation of the rod's direction, each axis.
+        rod_noise: f64 ["rad"] = 2e-3, in 0.0 ..= 1.0;
+    }
+
+    /// `[rod]`: a load balanced on top. Somebody holds it until the mission's step `pendulum`.
+    "rod" RodSection {
+        /// Mass of the load; zero: no rod.
+        load_mass: f64 ["kg"] = 0.0, in 0.0 ..= 10.0;
+        /// Length of the rod.
+        length: f64 ["m"] = 0.7, in 0.1 ..= 5.0;
+        /// How far the hand leans it.
+        tilt: f64 ["rad"] = 0.05, in 0.0 ..= 1.0;
+        /// Towards where, from North.
+        azimuth: f64 ["rad"] = 0.8, in -6.3 ..= 6.3;
+        /// From the change of mode until the hand releases it.
+        reaction: f64 ["s"] = 0.2, in 0.0 ..= 5.0;
+    }
+
+    /// `[push]`: a force on the vehicle.
+    "push" PushSection {
+        /// none, constant or stochastic.
+        kind: DisturbanceKind [""] = DisturbanceKind::None;
+    }
+
+    /// `[wind]`.
+    "wind" WindSection {
+        /// Mean speed.
+        speed: f64 ["m/s"] = 0.0, in 0.0 ..= 25.0;
+        /// Direction from which it blows, from North; drawn by the seed when absent.
+        from: Option<f64> ["rad"] = None, in -6.3 ..= 6.3;
+        /// Dryden turbulence on top.
+        gusts: bool [""] = false;
+        /// Peak of a gust of 1-cos shape, 3 s long, every 5 s, each from another side; a fifth of it as
+        /// turbulence on top.
+        pulse: f64 ["m/s"] = 0.0, in 0.0 ..= 25.0;
+    }
+
+    /// `[sensors]`: standard deviations and densities; zero everything for ideal sensors.
+    "sensors" SensorSection {
+        /// White noise of the gyro.
+        gyro_noise_density: f64 ["rad/s/sqrt(Hz)"] = 4.9e-5, in 0.0 ..= 0.1;
+        /// White noise of the accelerometer.
+        accel_noise_density: f64 ["m/s^2/sqrt(Hz)"] = 6.9e-4, in 0.0 ..= 1.0;
+        /// Offset of the gyro, each axis drawn within plus or minus this.
+        gyro_bias: f64 ["rad/s"] = 0.0087, in 0.0 ..= 1.0;
+        /// Offset of the accelerometer, each axis drawn within plus or minus this.
+        accel_bias: f64 ["m/s^2"] = 0.05, in 0.0 ..= 5.0;
+        /// Random walk of the gyro's offset.
+        gyro_drift: f64 ["rad/s/sqrt(s)"] = 3e-5, in 0.0 ..= 0.1;
+        /// Random walk of the accelerometer's offset.
+        accel_drift: f64 ["m/s^2/sqrt(s)"] = 1e-4, in 0.0 ..= 1.0;
+        /// How much the inertial sensor still warms up after the start. A board that was just switched on
+        /// has about 12 to go; the default is one that stood for some minutes.
+        warm_up: f64 ["K"] = 2.0, in -50.0 ..= 50.0;
+        /// Vibration of the accelerometer at hover, rms.
+        vibration: f64 ["m/s^2"] = 1.0, in 0.0 ..= 50.0;
+        /// Vibration of the gyro per vibration of the accelerometer.
+        gyro_vibration_ratio: f64 ["rad s/m"] = 0.005, in 0.0 ..= 1.0;
+        /// Noise of the rangefinder.
+        range_noise: f64 ["m"] = 0.02, in 0.0 ..= 5.0;
+        /// Noise of the barometer.
+        pressure_noise: f64 ["Pa"] = 0.5, in 0.0 ..= 1000.0;
+        /// Random walk of the barometer.
+        pressure_drift: f64 ["Pa/sqrt(s)"] = 0.2, in 0.0 ..= 100.0;
+        /// Noise of the winch's encoder.
+        length_noise: f64 ["m"] = 0.02, in 0.0 ..= 5.0;
+        /// Every n-th rangefinder frame loses a byte; 0 = none.
+        range_lost_bytes: u64 [""] = 200;
+    }
+
+    /// `[battery]`.
+    "battery" BatterySection {
+        /// Cells in series.
+        cells: f64 [""] = 4.0, in 1.0 ..= 14.0;
+        /// Capacity.
+        capacity: f64 ["A h"] = 5.2, in 0.1 ..= 1000.0;
+        /// Internal resistance.
+        resistance: f64 ["Ohm"] = 0.02, in 0.0 ..= 1.0;
+        /// Share of the capacity at the start.
+        charge: f64 [""] = 0.95, in 0.0 ..= 1.0;
+    }
 }

@@ -61,24 +61,24 @@ impl Inertial {
             (START_TEMPERATURE + model.warm_up - self.temperature) * DT / WARM_UP_TIME;
         let warm = self.temperature - START_TEMPERATURE;
 
-        let shake = self.vibration(plant, rng) * model.vibration;
+        let vibration = self.vibration(plant, rng) * model.vibration;
         let width = BANDWIDTH.sqrt();
         let accel = plant.specific_force
             + self.accel_bias
             + V3::repeat(ACCEL_PER_KELVIN * warm)
-            + shake
+            + vibration
             + vector(rng, normal) * (model.accel_noise_density * width);
         let gyro = plant.body.rate
             + self.gyro_bias
             + V3::repeat(GYRO_PER_KELVIN * warm + extra_bias)
-            + V3::new(shake.y, -shake.x, shake.z) * model.gyro_vibration_ratio
+            + V3::new(vibration.y, -vibration.x, vibration.z) * model.gyro_vibration_ratio
             + vector(rng, normal) * (model.gyro_noise_density * width);
         (accel, gyro, self.temperature)
     }
 
     /// Unit rms per axis at hover.
     fn vibration(&mut self, plant: &Plant, rng: &mut Pcg64Mcg) -> V3 {
-        let mut shake = V3::zeros();
+        let mut vibration = V3::zeros();
         let mut strength = 0.0;
         for (phase, rotor) in self.phase.iter_mut().zip(&plant.rotors) {
             *phase = (*phase + rotor.speed * DT) % TAU;
@@ -86,12 +86,13 @@ impl Inertial {
             strength += 0.25 * size;
             // Four sines of equal size: each carries half of the rms in every axis.
             let amplitude = size * std::f64::consts::SQRT_2 * 0.5;
-            shake += V3::new(phase.sin(), phase.cos(), (*phase + 1.0).sin()) * (ONCE * amplitude);
-            shake +=
+            vibration +=
+                V3::new(phase.sin(), phase.cos(), (*phase + 1.0).sin()) * (ONCE * amplitude);
+            vibration +=
                 V3::new((2.0 * *phase).cos(), (2.0 * *phase).sin(), (2.0 * *phase + 2.0).cos())
                     * (TWICE * amplitude);
         }
-        shake + vector(rng, normal) * (BROAD * strength)
+        vibration + vector(rng, normal) * (BROAD * strength)
     }
 }
 

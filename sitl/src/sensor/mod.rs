@@ -1,13 +1,9 @@
 //! Sensors at register level: truth + errors → fakes → the real drivers → [`RawSensors`].
 
-mod capture;
 mod errors;
 
-pub use capture::MotionCapture;
-
-use crate::inject::Faults;
 use crate::plant::{Plant, generator};
-use crate::scenario::{FaultKind, SensorSection};
+use crate::scenario::{FaultKind, Faults, SensorSection};
 use errors::{Altitude, Inertial};
 use rand_pcg::Pcg64Mcg;
 use tautline_board::flight::{raw_imu, scale};
@@ -24,7 +20,7 @@ const RANGE_OFFSET: f64 = 0.03;
 /// Divider and shunt amplifier of the reference board.
 const VOLTS_PER_VOLT: f64 = 11.0;
 const AMPS_PER_VOLT: f64 = 25.0;
-/// The winch speaks every so many milliseconds.
+/// The winch transmits every so many milliseconds.
 const WINCH_MS: u64 = 20;
 
 /// All devices of the vehicle, and the winch's encoder.
@@ -64,7 +60,7 @@ impl SensorSuite {
     /// Runs the drivers' set-up.
     ///
     /// # Errors
-    /// What a driver says.
+    /// What a driver reports.
     pub fn set_up(&mut self) -> Result<(), String> {
         let mut delay = self.clock.clone();
         self.imu.init(&mut delay).map_err(|e| format!("ICM-42688-P: {e:?}"))?;
@@ -79,7 +75,7 @@ impl SensorSuite {
         (self.imu.bus_mut(), barometer.bus_mut(), range.bus_mut(), battery.pins_mut())
     }
 
-    /// What the winch says in this millisecond.
+    /// The winch's report of this millisecond.
     #[must_use]
     pub fn winch(&self) -> Option<RawTether> {
         self.winch
@@ -91,11 +87,11 @@ impl SensorSuite {
         scale(&self.imu)
     }
 
-    /// One millisecond: lets the devices see the world. Whoever reads them is another matter.
+    /// One millisecond: exposes the devices to the world. Whoever reads them is another matter.
     pub fn expose(&mut self, plant: &Plant, faults: &Faults, mounting: Mounting) {
         let us = self.clock.now_us();
         let (ms, time) = (us / 1000, us as f64 * 1e-6);
-        if !faults.is_present(FaultKind::ImuSilent, time) {
+        if !faults.is_active(FaultKind::ImuSilent, time) {
             self.expose_imu(plant, faults, mounting, time);
         }
         if ms.is_multiple_of(BAROMETER_MS) {
@@ -106,15 +102,15 @@ impl SensorSuite {
         voltage.set_volts(plant.battery.voltage() / VOLTS_PER_VOLT);
         current.set_volts(plant.battery.current / AMPS_PER_VOLT);
         let has_winch = plant.model().tether.winch.is_some();
-        let speaks = has_winch && !faults.is_present(FaultKind::WinchSilent, time);
-        self.winch = (speaks && ms.is_multiple_of(WINCH_MS)).then(|| self.winch_length(plant));
+        let transmits = has_winch && !faults.is_active(FaultKind::WinchSilent, time);
+        self.winch = (transmits && ms.is_multiple_of(WINCH_MS)).then(|| self.winch_length(plant));
     }
 
     /// One millisecond: exposes the devices to the world and reads them.
     pub fn read(&mut self, plant: &Plant, faults: &Faults, mounting: Mounting) -> RawSensors {
         self.expose(plant, faults, mounting);
         let at = Micros(self.clock.now_us());
-        let is_silent = faults.is_present(FaultKind::ImuSilent, at.0 as f64 * 1e-6);
+        let is_silent = faults.is_active(FaultKind::ImuSilent, at.0 as f64 * 1e-6);
         let imu = if is_silent { None } else { self.imu.read_all().ok() };
         // Motion capture comes by the link.
         let mut sensors = RawSensors {
@@ -131,8 +127,8 @@ impl SensorSuite {
         let (accel, gyro, temperature) =
             self.inertial.sample(&self.noise, plant, extra, &mut self.rng);
         let part = self.imu.bus_mut();
-        part.is_hung = faults.is_present(FaultKind::ImuFrozen, time);
-        part.is_dead = faults.is_present(FaultKind::ImuDead, time);
+        part.is_hung = faults.is_active(FaultKind::ImuFrozen, time);
+        part.is_dead = faults.is_active(FaultKind::ImuDead, time);
         part.set_motion(
             to_chip(mounting, accel.into()),
             to_chip(mounting, gyro.into()),
@@ -144,15 +140,15 @@ impl SensorSuite {
         let dt = BAROMETER_MS as f64 * 1e-3;
         let pressure = self.altitude.pressure(&self.noise, plant.body.height(), dt, &mut self.rng);
         let part = self.slow.barometer.bus_mut();
-        part.is_dead = faults.is_present(FaultKind::BarometerLost, time)
-            || faults.is_present(FaultKind::AltimeterLost, time);
+        part.is_dead = faults.is_active(FaultKind::BarometerLost, time)
+            || faults.is_active(FaultKind::AltimeterLost, time);
         part.set_air(pressure, 24.0);
     }
 
     fn expose_range(&mut self, plant: &Plant, faults: &Faults, time: f64) {
         let part = self.slow.range.bus_mut();
-        part.is_dead = faults.is_present(FaultKind::RangefinderLost, time)
-            || faults.is_present(FaultKind::AltimeterLost, time);
+        part.is_dead = faults.is_active(FaultKind::RangefinderLost, time)
+            || faults.is_active(FaultKind::AltimeterLost, time);
         if part.is_due() {
             let distance = self.altitude.range(&self.noise, plant, RANGE_OFFSET, &mut self.rng);
             part.set_distance(distance);

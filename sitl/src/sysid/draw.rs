@@ -13,7 +13,7 @@ const CLOSE: f64 = 8.0;
 /// The best predictor and a simulation over the validation half, whole and close.
 ///
 /// # Errors
-/// What the drawing says.
+/// The drawing's error.
 pub fn draw_predictions(
     data: &Prepared,
     found: &[Result<Identified, String>],

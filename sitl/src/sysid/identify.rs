@@ -66,8 +66,8 @@ impl Model {
             Self::Polynomial(p) => p.noise_impulse(AHEAD),
             Self::StateSpace(s) => s.noise_impulse(AHEAD),
         };
-        let unseen = super::polynomial::rational(&impulse, &[1.0], &errors);
-        data.output.iter().zip(unseen).map(|(y, e)| y - e).collect()
+        let noise = super::polynomial::rational(&impulse, &[1.0], &errors);
+        data.output.iter().zip(noise).map(|(y, e)| y - e).collect()
     }
 
     fn largest_pole(&self) -> f64 {
@@ -136,7 +136,7 @@ pub const STRUCTURES: [&str; 6] = [
     "state space n=6",
 ];
 
-/// All structures; one that cannot be identified says why and leaves the others.
+/// All structures; one that cannot be identified reports why and leaves the others.
 #[must_use]
 pub fn identify(data: &Prepared) -> Vec<Result<Identified, String>> {
     let inputs = data.estimation.inputs.len();

@@ -88,7 +88,7 @@ pub fn read_log(input: impl Read, name: &str, params: &mut Params) -> Result<Rec
     for message in stream {
         match message.map_err(|e| format!("{name}: {e}"))? {
             Logged::Other(UlogMessage::Parameter(p)) => {
-                // Parameters of another version are not ours to judge.
+                // Parameters of another version are not ours to check.
                 let _ = set_param(params, &p.key, number(&p.value));
             }
             Logged::Other(_) => {}

@@ -79,7 +79,7 @@ pub fn resample(time: &[f64], values: &[f64]) -> Vec<f64> {
 /// The low-pass as second-order sections.
 ///
 /// # Errors
-/// What the filter design says; not for these constants.
+/// The filter design's error; not for these constants.
 fn low_pass() -> Result<Sos, String> {
     let zpk = butter(ORDER, FilterType::LowPass(CUT_OFF), RATE).map_err(|e| e.to_string())?;
     zpk2sos(&zpk, None).map_err(|e| e.to_string())
@@ -96,7 +96,7 @@ fn filter(sos: &Sos, values: &[f64]) -> Vec<f64> {
 /// One channel through the low-pass.
 ///
 /// # Errors
-/// What the filter design says.
+/// The filter design's error.
 pub fn low_pass_channel(values: &[f64]) -> Result<Vec<f64>, String> {
     Ok(filter(&low_pass()?, values))
 }
@@ -104,7 +104,7 @@ pub fn low_pass_channel(values: &[f64]) -> Result<Vec<f64>, String> {
 /// All of it.
 ///
 /// # Errors
-/// What the filter design says.
+/// The filter design's error.
 pub fn prepare(record: &Record) -> Result<Prepared, String> {
     let resampled = Signals {
         inputs: record.pwm[..CHANNELS].iter().map(|x| resample(&record.time, x)).collect(),

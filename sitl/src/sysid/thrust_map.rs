@@ -1,4 +1,4 @@
-//! The firmware's thrust map from the same record: what a simulation model's static gain says, in the
+//! The firmware's thrust map from the same record: a simulation model's static gain, in the
 //! curve's own terms.
 //!
 //! `T = thrust_max Σ sag (f u² + (1-f) u)` behind a first-order lag: linear in `thrust_max f` and
@@ -49,7 +49,7 @@ pub struct ThrustFit {
     pub thrust_max: f64,
     /// Share of the square law.
     pub factor: f64,
-    /// Whether the record tells the curve; else the factor is the one that was there.
+    /// Whether the record determines the curve; else the factor is the one that was there.
     pub factor_is_known: bool,
     /// One deviation of the factor.
     pub factor_sd: f64,

@@ -1,17 +1,16 @@
 //! Rows S1 to S9 of `pendulum` section 13, each beside its limit.
 
 use super::cases::{DISTURBANCES, add_error, mean, summaries, worst};
-use crate::experiment::{Ask, Compare, Report};
-use crate::pendulum::{
-    DisturbanceKind, FilterSet, GainSet, PendulumScenario, PendulumSummary, Precision,
-};
+use crate::bench::pendulum::{FilterSet, GainSet, PendulumScenario, PendulumSummary, Precision};
+use crate::experiment::{Compare, Report, Settings};
+use crate::scenario::DisturbanceKind;
 
 /// Seeds of a row with random numbers.
 const SEEDS: u64 = 6;
 
 struct Table<'a> {
     report: Report,
-    ask: &'a Ask,
+    settings: &'a Settings,
 }
 
 impl Table<'_> {
@@ -21,7 +20,7 @@ impl Table<'_> {
         s: PendulumScenario,
         limit: f64,
     ) -> Result<Vec<PendulumSummary>, String> {
-        let runs = summaries(self.ask, s, SEEDS)?;
+        let runs = summaries(self.settings, s, SEEDS)?;
         add_error(&mut self.report, name, &runs, Compare::AtMost(limit));
         Ok(runs)
     }
@@ -33,8 +32,8 @@ impl Table<'_> {
 }
 
 /// All rows.
-pub fn acceptance(ask: &Ask) -> Result<Report, String> {
-    let mut t = Table { report: Report::default(), ask };
+pub fn acceptance(settings: &Settings) -> Result<Report, String> {
+    let mut t = Table { report: Report::default(), settings };
     let base = PendulumScenario::default;
     let helped = || PendulumScenario { vertical_bandwidth: 3.0, soft_start: 4.0, ..base() };
 
@@ -139,7 +138,7 @@ pub fn acceptance(ask: &Ask) -> Result<Report, String> {
     t.report.notes.push(format!(
         "Rows with random numbers are means over {} seeds, the tilt is the worst; a lost run makes the \
          mean infinite.",
-        ask.seeds(SEEDS)?.len()
+        settings.seeds(SEEDS)?.len()
     ));
     Ok(t.report)
 }

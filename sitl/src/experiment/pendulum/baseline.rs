@@ -1,8 +1,8 @@
 //! Against linear-quadratic control about the upright rod: tracking, and how far a fallen rod comes back.
 
 use super::cases::{DISTURBANCES, add_error, summaries};
-use crate::experiment::{Ask, Compare, Report};
-use crate::pendulum::{GainSet, LawKind, PendulumScenario};
+use crate::bench::pendulum::{GainSet, LawKind, PendulumScenario};
+use crate::experiment::{Compare, Report, Settings};
 use crate::report::chart::{ESTIMATE, Line, Panel, Points, SETPOINT, THIRD, TRUTH};
 use crate::report::grid::grid;
 
@@ -30,11 +30,16 @@ fn fallen(law: LawKind, gains: GainSet, tilt: f64, limits: [f64; 2]) -> Pendulum
 }
 
 /// The largest tilt, stepping outwards, before the first that does not come back, deg.
-fn recoverable(ask: &Ask, law: LawKind, gains: GainSet, limits: [f64; 2]) -> Result<f64, String> {
+fn recoverable(
+    settings: &Settings,
+    law: LawKind,
+    gains: GainSet,
+    limits: [f64; 2],
+) -> Result<f64, String> {
     let mut reached = 0.0;
     while reached + STEP < 90.0 {
-        let s = ask.on(fallen(law, gains, reached + STEP, limits))?;
-        let summary = s.fly(ask.seed)?.summary;
+        let s = settings.on(fallen(law, gains, reached + STEP, limits))?;
+        let summary = s.fly(settings.seed)?.summary;
         if summary.is_lost() || summary.error_end > RECOVERED {
             break;
         }
@@ -48,7 +53,7 @@ fn near(value: f64) -> Compare {
 }
 
 /// The comparison.
-pub fn baseline(ask: &Ask) -> Result<Report, String> {
+pub fn baseline(settings: &Settings) -> Result<Report, String> {
     let mut report = Report::default();
     let soft_start = |law| PendulumScenario { law, soft_start: 4.0, ..PendulumScenario::default() };
     let laws = [
@@ -58,19 +63,19 @@ pub fn baseline(ask: &Ask) -> Result<Report, String> {
     ];
     for (law_name, law, reference) in laws {
         for ((name, disturbance), value) in DISTURBANCES.into_iter().zip(reference) {
-            let runs = summaries(ask, PendulumScenario { disturbance, ..soft_start(law) }, 3)?;
+            let runs = summaries(settings, PendulumScenario { disturbance, ..soft_start(law) }, 3)?;
             let compare = value.map_or(Compare::Alone, near);
             add_error(&mut report, &format!("{law_name}, {name}"), &runs, compare);
         }
     }
-    let plain = summaries(ask, soft_start(LawKind::LinearWithoutFeedForward), 1)?;
+    let plain = summaries(settings, soft_start(LawKind::LinearWithoutFeedForward), 1)?;
     add_error(&mut report, "linear without feed-forward, no disturbance", &plain, near(12.0));
     let mut speeds: [Points; 2] = Default::default();
     for (speed, reference) in [(1.0, [0.02, 1.8]), (1.5, [0.05, 8.3]), (2.0, [0.13, 27.0])] {
         let both = [("backstepping", LawKind::Backstepping), ("linear", LawKind::Linear)];
         for (((name, law), value), points) in both.into_iter().zip(reference).zip(&mut speeds) {
             let s = PendulumScenario { speed, ..soft_start(law) };
-            let runs = summaries(ask, s, 1)?;
+            let runs = summaries(settings, s, 1)?;
             let mean = 100.0 * super::cases::mean(&runs, |s| s.error_mean);
             points.push((speed, mean));
             // At 2 m/s the oracle's linear controller, whose vertical gains are its own, just survives.
@@ -97,7 +102,7 @@ pub fn baseline(ask: &Ask) -> Result<Report, String> {
                 .into_iter()
                 .zip(reference)
         {
-            let tilt = recoverable(ask, law, gains, limits)?;
+            let tilt = recoverable(settings, law, gains, limits)?;
             let compare = if value.is_nan() {
                 Compare::Alone
             } else {
@@ -131,11 +136,11 @@ pub fn baseline(ask: &Ask) -> Result<Report, String> {
          disturbance."
             .into(),
     );
-    draw(&mut report, ask, speeds)?;
+    draw(&mut report, settings, speeds)?;
     Ok(report)
 }
 
-fn draw(report: &mut Report, ask: &Ask, speeds: [Points; 2]) -> Result<(), String> {
+fn draw(report: &mut Report, settings: &Settings, speeds: [Points; 2]) -> Result<(), String> {
     let mut errors = Vec::new();
     let mut tilts = Vec::new();
     for (name, colour, law, gains) in [
@@ -149,8 +154,8 @@ fn draw(report: &mut Report, ask: &Ask, speeds: [Points; 2]) -> Result<(), Strin
             settled: 5.0,
             ..fallen(law, gains, 25.0, [2.5, 15.0])
         };
-        let trace = ask.on(s)?.fly(ask.seed)?;
-        let points = |pick: fn(&crate::pendulum::PendulumRow) -> f64| {
+        let trace = settings.on(s)?.fly(settings.seed)?;
+        let points = |pick: fn(&crate::bench::pendulum::PendulumRow) -> f64| {
             trace.rows.iter().map(|row| (row.time, pick(row))).collect::<Points>()
         };
         errors.push(Line::new(name, colour, points(|r| r.error().norm().min(3.0))));

@@ -1,8 +1,9 @@
 //! Runs over disturbances and seeds, and figures of them.
 
-use crate::experiment::{Ask, Compare, Report};
-use crate::parallel;
-use crate::pendulum::{DisturbanceKind, PendulumScenario, PendulumSummary, PendulumTrace};
+use crate::bench::pendulum::{PendulumScenario, PendulumSummary, PendulumTrace};
+use crate::campaign::parallel;
+use crate::experiment::{Compare, Report, Settings};
+use crate::scenario::DisturbanceKind;
 
 /// The article's three, with their names.
 pub const DISTURBANCES: [(&str, DisturbanceKind); 3] = [
@@ -18,9 +19,13 @@ fn is_random(s: &PendulumScenario) -> bool {
 }
 
 /// One run for each seed; a single one where nothing is random.
-pub fn traces(ask: &Ask, s: PendulumScenario, seeds: u64) -> Result<Vec<PendulumTrace>, String> {
-    let s = ask.on(s)?;
-    let mut seeds = ask.seeds(seeds)?;
+pub fn traces(
+    settings: &Settings,
+    s: PendulumScenario,
+    seeds: u64,
+) -> Result<Vec<PendulumTrace>, String> {
+    let s = settings.on(s)?;
+    let mut seeds = settings.seeds(seeds)?;
     if !is_random(&s) {
         seeds.truncate(1);
     }
@@ -30,11 +35,11 @@ pub fn traces(ask: &Ask, s: PendulumScenario, seeds: u64) -> Result<Vec<Pendulum
 
 /// As [`traces`], figures only.
 pub fn summaries(
-    ask: &Ask,
+    settings: &Settings,
     s: PendulumScenario,
     seeds: u64,
 ) -> Result<Vec<PendulumSummary>, String> {
-    Ok(traces(ask, s, seeds)?.into_iter().map(|trace| trace.summary).collect())
+    Ok(traces(settings, s, seeds)?.into_iter().map(|trace| trace.summary).collect())
 }
 
 /// Mean of a figure; infinite if any run was lost.

@@ -2,16 +2,15 @@
 //! each disturbance.
 
 use super::cases::DISTURBANCES;
+use crate::campaign::parallel;
 use crate::experiment::flown::why_lost;
-use crate::experiment::{Ask, Compare, Report};
+use crate::experiment::{Compare, Report, Settings};
 use crate::flight::Flight;
-use crate::parallel;
-use crate::pendulum::DisturbanceKind;
-use crate::pendulum_metrics::PendulumFlightSummary;
+use crate::metrics::PendulumFlightSummary;
 use crate::report::chart::{ESTIMATE, Line, Panel, Points, SETPOINT, TRUTH};
 use crate::report::grid::{self, grid};
 use crate::report::space::{Curve, curves};
-use crate::scenario::{Scenario, Step};
+use crate::scenario::{DisturbanceKind, Scenario, Step};
 use tautline_firmware::supervisor::Mode;
 
 /// Vehicle, motion capture, rod and mission of every row.
@@ -80,11 +79,11 @@ fn rows() -> Result<Vec<Row>, String> {
 }
 
 /// All rows.
-pub fn flight(ask: &Ask) -> Result<Report, String> {
+pub fn flight(settings: &Settings) -> Result<Report, String> {
     let mut report = Report::default();
-    let seeds = ask.seeds(SEEDS)?;
+    let seeds = settings.seeds(SEEDS)?;
     for row in rows()? {
-        let s = ask.on(row.scenario)?;
+        let s = settings.on(row.scenario)?;
         let work = |seed: &u64| fly(&s, *seed);
         let flown = parallel::map(&seeds, parallel::cores(), work, |_| {});
         let (mut lost, mut worst, mut sum) = (0.0, [0.0_f64; 3], 0.0);
@@ -118,22 +117,22 @@ pub fn flight(ask: &Ask) -> Result<Report, String> {
          mrad on the rod, one sample in a hundred lost; thrust known to 2 %, each rotor to 1 %."
             .into(),
     );
-    draw(&mut report, ask)?;
+    draw(&mut report, settings)?;
     Ok(report)
 }
 
 /// One stochastic flight from the change of mode on.
-fn draw(report: &mut Report, ask: &Ask) -> Result<(), String> {
-    let s = ask.on(base(DisturbanceKind::Stochastic)?)?;
+fn draw(report: &mut Report, settings: &Settings) -> Result<(), String> {
+    let s = settings.on(base(DisturbanceKind::Stochastic)?)?;
     let params = s.params().map_err(|e| e.0)?;
-    let seed = ask.seed.max(1);
+    let seed = settings.seed.max(1);
     let mut flight = Flight::new(&s, params, seed, std::io::sink()).map_err(|e| e.0)?;
     let mut began = None;
     let mut series: [Points; 8] = Default::default();
     let mut paths: [Vec<[f64; 3]>; 3] = Default::default();
     while flight.world.time() < LONGEST && !flight.is_over() {
         let out = flight.step(&mut |_| {});
-        let plant = &flight.world.outside.plant;
+        let plant = &flight.world.environment.plant;
         let (Some(report), Some(rod), Mode::Pendulum) = (&out.pendulum, &plant.rod, out.mode)
         else {
             continue;
@@ -141,33 +140,34 @@ fn draw(report: &mut Report, ask: &Ask) -> Result<(), String> {
         let Some(reference) = &report.reference else { continue };
         let now = flight.world.time();
         let time = now - *began.get_or_insert(now);
-        let wanted = reference.position().0.map(f64::from);
+        let setpoint = reference.position().0.map(f64::from);
         let load = rod.load(&plant.body.position);
         let push = plant.push.as_ref().map_or_else(nalgebra::Vector3::zeros, |p| p.force());
-        let seen = report.estimate.disturbance.0.map(f64::from);
+        let estimate = report.estimate.disturbance.0.map(f64::from);
         let values = [
-            100.0 * (load - wanted).norm(),
+            100.0 * (load - setpoint).norm(),
             rod.tilt().to_degrees(),
             plant.thrust(),
             f64::from(out.rate_setpoint.0.norm()),
             push.x,
-            seen.x,
+            estimate.x,
             push.z,
-            seen.z,
+            estimate.z,
         ];
         for (points, value) in series.iter_mut().zip(values) {
             points.push((time, value));
         }
-        for (path, point) in paths.iter_mut().zip([load, wanted, plant.body.position]) {
+        for (path, point) in paths.iter_mut().zip([load, setpoint, plant.body.position]) {
             path.push(point.into());
         }
     }
-    let [error, tilt, thrust, rate, north, north_seen, down, down_seen] = series;
+    let [error, tilt, thrust, rate, north, north_estimate, down, down_estimate] = series;
     let one = |title: &'static str, unit: &'static str, points| {
         (Panel::new(title, "time, s", unit), vec![Line::new("", TRUTH, points)])
     };
-    let two = |title: &'static str, truth, seen| {
-        let lines = vec![Line::new("true", TRUTH, truth), Line::new("estimated", ESTIMATE, seen)];
+    let two = |title: &'static str, truth, estimate| {
+        let lines =
+            vec![Line::new("true", TRUTH, truth), Line::new("estimated", ESTIMATE, estimate)];
         (Panel::new(title, "time, s", "N"), lines)
     };
     let cells: Vec<grid::Cell> = vec![
@@ -175,14 +175,14 @@ fn draw(report: &mut Report, ask: &Ask) -> Result<(), String> {
         one("Tilt of the rod", "deg", tilt),
         one("Thrust", "N", thrust),
         one("Body-rate command", "rad/s", rate),
-        two("Push, north", north, north_seen),
-        two("Push, down", down, down_seen),
+        two("Push, north", north, north_estimate),
+        two("Push, down", down, down_estimate),
     ];
     report.picture("pendulum-flight.svg", move |path| grid(path, 2, &cells));
-    let [load, wanted, vehicle] = paths;
+    let [load, setpoint, vehicle] = paths;
     let drawn = vec![
         Curve::new("load", TRUTH, load),
-        Curve::new("reference", SETPOINT, wanted),
+        Curve::new("reference", SETPOINT, setpoint),
         Curve::new("vehicle", crate::report::chart::THIRD, vehicle),
     ];
     report.picture("pendulum-flight-path.svg", move |path| {

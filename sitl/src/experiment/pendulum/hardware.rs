@@ -1,17 +1,18 @@
 //! The article's experiment, Fig. 6: its masses, gains and 45 Hz.
 
 use super::cases::{add_error, mean, traces};
-use crate::experiment::{Ask, Compare, Report};
-use crate::pendulum::{DisturbanceKind, PendulumRow, PendulumScenario, PendulumTrace};
+use crate::bench::pendulum::{PendulumRow, PendulumScenario, PendulumTrace};
+use crate::experiment::{Compare, Report, Settings};
 use crate::report::chart::{ESTIMATE, Line, Panel, SETPOINT, THIRD, TRUTH};
 use crate::report::grid::grid;
 use crate::report::space::{Curve, curves};
+use crate::scenario::DisturbanceKind;
 
 /// Published mean error, cm, and mean speed, m/s.
 const PUBLISHED: (f64, f64) = (9.72, 0.51);
 
 /// Fig. 6 with what the article does not know of its vehicle: none of it, each alone, all.
-pub fn hardware(ask: &Ask) -> Result<Report, String> {
+pub fn hardware(settings: &Settings) -> Result<Report, String> {
     let mut report = Report::default();
     let base = PendulumScenario::experiment;
     let plausible = PendulumScenario {
@@ -40,8 +41,8 @@ pub fn hardware(ask: &Ask) -> Result<Report, String> {
     ];
     let mut picture = None;
     for (name, s, compare) in rows {
-        let settled = ask.on(s.clone())?.settled;
-        let flown = traces(ask, s, 6)?;
+        let settled = settings.on(s.clone())?.settled;
+        let flown = traces(settings, s, 6)?;
         let figures: Vec<_> = flown.iter().map(|t| t.summary.clone()).collect();
         add_error(&mut report, name, &figures, compare);
         let lost = figures.iter().filter(|s| s.is_lost()).count();

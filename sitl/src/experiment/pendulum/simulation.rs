@@ -1,11 +1,12 @@
 //! The article's simulation: Figs. 1 to 4.
 
 use super::cases::{DISTURBANCES, add_error, mean, traces};
-use crate::experiment::{Ask, Compare, Report};
-use crate::pendulum::{DisturbanceKind, PendulumRow, PendulumScenario, PendulumTrace};
+use crate::bench::pendulum::{PendulumRow, PendulumScenario, PendulumTrace};
+use crate::experiment::{Compare, Report, Settings};
 use crate::report::chart::{ESTIMATE, Line, Panel, Points, SETPOINT, THIRD, TRUTH};
 use crate::report::grid::{self, grid};
 use crate::report::space::{Curve, curves};
+use crate::scenario::DisturbanceKind;
 use plotters::style::RGBColor;
 
 fn series(trace: &PendulumTrace, pick: impl Fn(&PendulumRow) -> f64) -> Points {
@@ -22,16 +23,16 @@ fn late_mean(trace: &PendulumTrace, settled: f64, pick: impl Fn(&PendulumRow) ->
 const COLOURS: [RGBColor; 3] = [TRUTH, SETPOINT, ESTIMATE];
 
 /// Figs. 1 to 4, for 120 s as printed.
-pub fn simulation(ask: &Ask) -> Result<Report, String> {
+pub fn simulation(settings: &Settings) -> Result<Report, String> {
     let mut report = Report::default();
     let base = PendulumScenario { duration: 120.0, ..PendulumScenario::default() };
-    let settled = ask.on(base.clone())?.settled;
+    let settled = settings.on(base.clone())?.settled;
     let mut flown = Vec::new();
     // Means of (5a)-(5b) along the track, from the specification's oracle.
     let reference = [0.010, 5.0, 9.6];
     for ((name, disturbance), value) in DISTURBANCES.into_iter().zip(reference) {
         let s = PendulumScenario { disturbance, ..base.clone() };
-        let runs = traces(ask, s, 6)?;
+        let runs = traces(settings, s, 6)?;
         let figures: Vec<_> = runs.iter().map(|trace| trace.summary.clone()).collect();
         let near = Compare::Near { value, share: 0.25, slack: 0.01 };
         add_error(&mut report, name, &figures, near);
@@ -62,7 +63,7 @@ pub fn simulation(ask: &Ask) -> Result<Report, String> {
             Compare::Claim("a constant lift reduces the thrust", calm - lifted > 0.5),
         );
     }
-    let cold = wrong_start(ask, &base)?;
+    let cold = wrong_start(settings, &base)?;
     report.add(
         "start from a belief turned over (as printed): largest tilt, deg",
         cold.summary.tilt_peak.to_degrees(),
@@ -84,10 +85,13 @@ pub fn simulation(ask: &Ask) -> Result<Report, String> {
 }
 
 /// The article starts the filter at the rod hanging down.
-fn wrong_start(ask: &Ask, base: &PendulumScenario) -> Result<PendulumTrace, String> {
-    let s =
-        ask.on(PendulumScenario { starts_turned_over: true, duration: 40.0, ..base.clone() })?;
-    s.fly(ask.seed)
+fn wrong_start(settings: &Settings, base: &PendulumScenario) -> Result<PendulumTrace, String> {
+    let s = settings.on(PendulumScenario {
+        starts_turned_over: true,
+        duration: 40.0,
+        ..base.clone()
+    })?;
+    s.fly(settings.seed)
 }
 
 fn draw(report: &mut Report, flown: Vec<(&'static str, DisturbanceKind, PendulumTrace)>) {

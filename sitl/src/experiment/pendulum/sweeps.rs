@@ -1,17 +1,18 @@
 //! How much delay, lag, noise and model error the loop bears: `pendulum` section 10.
 
 use super::cases::{DISTURBANCES, mean, summaries};
-use crate::experiment::{Ask, Compare, Report};
-use crate::pendulum::{DisturbanceKind, FilterSet, GainSet, PendulumScenario};
+use crate::bench::pendulum::{FilterSet, GainSet, PendulumScenario};
+use crate::experiment::{Compare, Report, Settings};
 use crate::report::chart::{ESTIMATE, Line, Panel, Points, SETPOINT, THIRD, TRUTH};
 use crate::report::grid::{self, grid};
+use crate::scenario::DisturbanceKind;
 use plotters::prelude::SeriesLabelPosition;
 
 const SEEDS: u64 = 3;
 
 struct Sweep<'a> {
     report: Report,
-    ask: &'a Ask,
+    settings: &'a Settings,
 }
 
 fn near(value: f64) -> Compare {
@@ -26,7 +27,7 @@ impl Sweep<'_> {
         s: PendulumScenario,
         compare: Compare,
     ) -> Result<f64, String> {
-        let runs = summaries(self.ask, s, SEEDS)?;
+        let runs = summaries(self.settings, s, SEEDS)?;
         let error = 100.0 * mean(&runs, |s| s.error_mean);
         self.report.add(format!("{}: mean error, cm", name.into()), error, compare);
         Ok(error)
@@ -38,8 +39,8 @@ fn helped() -> PendulumScenario {
 }
 
 /// All sweeps.
-pub fn sweeps(ask: &Ask) -> Result<Report, String> {
-    let mut t = Sweep { report: Report::default(), ask };
+pub fn sweeps(settings: &Settings) -> Result<Report, String> {
+    let mut t = Sweep { report: Report::default(), settings };
     let mut cells = vec![rates(&mut t)?, noise(&mut t)?];
     let (delays, map) = delays(&mut t)?;
     cells.extend([delays, map]);
@@ -131,7 +132,7 @@ fn delays(t: &mut Sweep) -> Result<(grid::Cell, grid::Cell), String> {
                 filter,
                 ..helped()
             };
-            let runs = summaries(t.ask, s, SEEDS)?;
+            let runs = summaries(t.settings, s, SEEDS)?;
             // A limit cycle of a third of a metre is no flight either.
             let flies = mean(&runs, |s| s.error_mean) < 0.3;
             let text = if expected { "survives, by the specification" } else { "fails, by it" };

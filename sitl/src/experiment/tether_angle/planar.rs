@@ -1,12 +1,12 @@
 //! The loop in a vertical plane: Figs. 9 to 11.
 
-use crate::experiment::{Ask, Compare, Report};
-use crate::parallel;
-use crate::report::chart::{ESTIMATE, Line, Panel, Points, SETPOINT, THIRD, TRUTH};
-use crate::report::grid::{self, grid};
-use crate::tether_angle::{
+use crate::bench::tether_angle::{
     AnchorMotion, AngleRow, AngleScenario, AngleTrace, Setting, fly, sensitivity,
 };
+use crate::campaign::parallel;
+use crate::experiment::{Compare, Report, Settings};
+use crate::report::chart::{ESTIMATE, Line, Panel, Points, SETPOINT, THIRD, TRUTH};
+use crate::report::grid::{self, grid};
 use plotters::prelude::SeriesLabelPosition;
 use plotters::style::RGBColor;
 
@@ -20,8 +20,8 @@ fn worst(traces: &[AngleTrace], pick: impl Fn(&AngleTrace) -> f64) -> f64 {
 }
 
 /// `inertial` section 7: limits over five seeds.
-pub fn add_loop(report: &mut Report, ask: &Ask) -> Result<Vec<AngleTrace>, String> {
-    let traces = runs(&ask.on(AngleScenario::default())?, &ask.seeds(5)?)?;
+pub fn add_loop(report: &mut Report, settings: &Settings) -> Result<Vec<AngleTrace>, String> {
+    let traces = runs(&settings.on(AngleScenario::default())?, &settings.seeds(5)?)?;
     let deg = |x: f64| x.to_degrees();
     let mut limit = |name: &str, ours: f64, most: f64| {
         report.add(format!("loop, worst of {}: {name}", traces.len()), ours, Compare::AtMost(most));
@@ -53,11 +53,11 @@ fn angles(title: &'static str, trace: &AngleTrace) -> grid::Cell {
 }
 
 /// Figs. 9 to 11 and the rows of `inertial` section 7.
-pub fn planar_loop(ask: &Ask) -> Result<Report, String> {
+pub fn planar_loop(settings: &Settings) -> Result<Report, String> {
     let mut report = Report::default();
-    let traces = add_loop(&mut report, ask)?;
-    let base = ask.on(AngleScenario::default())?;
-    let seeds = ask.seeds(5)?;
+    let traces = add_loop(&mut report, settings)?;
+    let base = settings.on(AngleScenario::default())?;
+    let seeds = settings.seeds(5)?;
     let still = vec![30.0; 6];
     let walk = AnchorMotion { amplitude: 0.5, period: 6.0 };
     let at = |reference: &[f64]| AngleScenario {
@@ -128,7 +128,7 @@ pub fn planar_loop(ask: &Ask) -> Result<Report, String> {
     );
     let mut cells = Vec::new();
     if let Some(trace) = traces.first() {
-        cells.push(minimal(trace, &base, ask.seed)?);
+        cells.push(minimal(trace, &base, settings.seed)?);
         cells.push(angles("Steps in the tether angle (Fig. 10)", trace));
     }
     if let Some(trace) = &walked {

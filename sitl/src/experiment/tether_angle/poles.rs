@@ -1,9 +1,9 @@
 //! Closed-loop poles over the tether angle: Fig. 8.
 
-use crate::experiment::{Ask, Compare, Report};
+use crate::bench::tether_angle::{AngleScenario, linearise};
+use crate::experiment::{Compare, Report, Settings};
 use crate::report::chart::{ESTIMATE, Line, Panel, SETPOINT, TRUTH};
 use crate::report::grid::grid;
-use crate::tether_angle::{AngleScenario, linearise};
 use plotters::prelude::SeriesLabelPosition;
 
 /// Real and imaginary parts, `inertial` section 6.
@@ -16,11 +16,11 @@ const POLES: [(f64, f64, [Pole; 3]); 4] = [
 ];
 
 /// Fig. 8.
-pub fn poles(ask: &Ask) -> Result<Report, String> {
-    ask.no_seeds()?;
+pub fn poles(settings: &Settings) -> Result<Report, String> {
+    settings.no_seeds()?;
     let mut report = Report::default();
-    add_poles(&mut report, ask)?;
-    let base = ask.on(AngleScenario::default())?;
+    add_poles(&mut report, settings)?;
+    let base = settings.on(AngleScenario::default())?;
     let mut cells = Vec::new();
     for (tilt_time, title) in [(0.18, "0.18 s, as Fig. 8"), (0.16, "0.16 s, as the text")] {
         let s = AngleScenario { tilt_time, ..base.clone() };
@@ -44,8 +44,8 @@ pub fn poles(ask: &Ask) -> Result<Report, String> {
 }
 
 /// The poles beside the specification's.
-pub fn add_poles(report: &mut Report, ask: &Ask) -> Result<(), String> {
-    let base = ask.on(AngleScenario::default())?;
+pub fn add_poles(report: &mut Report, settings: &Settings) -> Result<(), String> {
+    let base = settings.on(AngleScenario::default())?;
     for (deg, tilt_time, expected) in POLES {
         let s = AngleScenario { tilt_time, ..base.clone() };
         let found = linearise(&s, deg.to_radians(), None).poles;

@@ -1,10 +1,10 @@
 //! What one accelerometer reading is worth: Figs. 3 to 5.
 
-use crate::experiment::{Ask, Compare, Report};
-use crate::parallel;
+use crate::bench::tether_angle::{Sensitivity, Setting, sensitivity};
+use crate::campaign::parallel;
+use crate::experiment::{Compare, Report, Settings};
 use crate::report::chart::{ESTIMATE, Line, Panel, Points, SETPOINT, THIRD, TRUTH};
 use crate::report::grid::grid;
-use crate::tether_angle::{Sensitivity, Setting, sensitivity};
 
 /// Draws of each point of the sensitivity figures.
 const SAMPLES: u32 = 50_000;
@@ -20,8 +20,8 @@ const TABLE: [(f64, f64, [f64; 4]); 8] = [
     (60.0, 1.0, [0.09, 3.46, 0.07, 1.35]),
     (90.0, 1.0, [0.05, 2.01, 0.04, 1.17]),
 ];
-/// From here on the specification judges, deg.
-const JUDGED: f64 = 20.0;
+/// From here on the specification scores, deg.
+const SCORED_FROM: f64 = 20.0;
 
 const NOISY: Setting =
     Setting { angle: 0.0, thrust: [12.0, 12.0], noise: 0.2, length: 3.0, rate: 0.0 };
@@ -36,11 +36,11 @@ fn over_angle(base: Setting) -> Vec<Setting> {
 }
 
 /// Figs. 3 to 5 and the specification's Monte-Carlo table.
-pub fn sensitivities(ask: &Ask) -> Result<Report, String> {
-    ask.no_settings()?;
+pub fn sensitivities(settings: &Settings) -> Result<Report, String> {
+    settings.no_settings()?;
     let mut report = Report::default();
-    monte_carlo(&mut report, ask.seed)?;
-    let seed = ask.seed;
+    monte_carlo(&mut report, settings.seed)?;
+    let seed = settings.seed;
     let at = |deg: f64, s: Setting| -> Result<Sensitivity, String> {
         sensitivity(&Setting { angle: deg.to_radians(), noise: 0.0, ..s }, 1, seed)
     };
@@ -85,7 +85,7 @@ pub fn sensitivities(ask: &Ask) -> Result<Report, String> {
         none.valid,
         Compare::Refuted("no usable observation near 0 deg with a thrust mismatch"),
     );
-    pictures(&mut report, ask.seed)?;
+    pictures(&mut report, settings.seed)?;
     report.notes.push(
         "The article leaves the tension at its nominal value when the thrust is wrong; recomputed, the \
          mismatch cancels exactly at 0 deg."
@@ -99,8 +99,8 @@ pub fn monte_carlo(report: &mut Report, seed: u64) -> Result<(), String> {
     let settings = TABLE.map(|(deg, ..)| Setting { angle: deg.to_radians(), ..NOISY });
     let found = draw_all(&settings, seed)?;
     for ((deg, valid, table), ours) in TABLE.iter().zip(found) {
-        let judge = |value: f64, share: f64, slack: f64| {
-            if *deg >= JUDGED { Compare::Near { value, share, slack } } else { Compare::Alone }
+        let compare = |value: f64, share: f64, slack: f64| {
+            if *deg >= SCORED_FROM { Compare::Near { value, share, slack } } else { Compare::Alone }
         };
         report.add(
             format!("one reading, {deg} deg: valid, 1"),
@@ -118,7 +118,7 @@ pub fn monte_carlo(report: &mut Report, seed: u64) -> Result<(), String> {
             report.add(
                 format!("one reading, {deg} deg: {name}, deg"),
                 ours.to_degrees(),
-                judge(*value, 0.06, 0.08),
+                compare(*value, 0.06, 0.08),
             );
         }
     }

@@ -1,17 +1,17 @@
 //! Two planes in space: Fig. 12, and who survives.
 
-use crate::experiment::{Ask, Compare, Report};
-use crate::parallel;
+use crate::bench::tether_angle::{AnchorMotion, AngleScenario, SpatialTrace, fly_spatial};
+use crate::campaign::parallel;
+use crate::experiment::{Compare, Report, Settings};
 use crate::report::chart::{ESTIMATE, Line, Panel, TRUTH};
 use crate::report::grid::grid;
-use crate::tether_angle::{AnchorMotion, AngleScenario, SpatialTrace, fly_spatial};
 
 /// Directions of `inertial` section 8, deg.
 const DIRECTIONS: [[f64; 2]; 4] = [[25.0, 15.0], [30.0, 30.0], [30.0, 0.0], [35.0, 35.0]];
 
 /// Of all directions and seeds: lost, and flown within these estimate and tracking errors, deg.
 fn survivors(
-    ask: &Ask,
+    settings: &Settings,
     seeds: &[u64],
     base: &AngleScenario,
     [estimate, tracking]: [f64; 2],
@@ -20,7 +20,7 @@ fn survivors(
     let (mut lost, mut good) = (0.0, 0.0);
     for [x, y] in DIRECTIONS {
         let AngleScenario { reference, start, .. } = AngleScenario::spatial(x, y);
-        let s = ask.on(AngleScenario { reference, start, ..base.clone() })?;
+        let s = settings.on(AngleScenario { reference, start, ..base.clone() })?;
         let work = |seed: &u64| fly_spatial(&s, *seed);
         for trace in parallel::map(seeds, parallel::cores(), work, |_| {}) {
             let trace = trace?;
@@ -37,15 +37,15 @@ fn survivors(
 }
 
 /// `inertial` section 8: survival over ten seeds.
-pub fn add_space(report: &mut Report, ask: &Ask) -> Result<(), String> {
-    let seeds = ask.seeds(10)?;
+pub fn add_space(report: &mut Report, settings: &Settings) -> Result<(), String> {
+    let seeds = settings.seeds(10)?;
     let count = seeds.len() * DIRECTIONS.len();
     let base = AngleScenario::spatial(0.0, 0.0);
     for (name, thrust, limits) in
         [("default", 12.0, [5.0, 7.0]), ("thrust 14 m/s²", 14.0, [3.5, 5.0])]
     {
         let s = AngleScenario { thrust, thrust_true: thrust, ..base.clone() };
-        let [lost, good] = survivors(ask, &seeds, &s, limits)?;
+        let [lost, good] = survivors(settings, &seeds, &s, limits)?;
         let [estimate, tracking] = limits;
         report.add(format!("in space, {name}: share lost of {count}, 1"), lost, Compare::Alone);
         report.add(
@@ -58,25 +58,26 @@ pub fn add_space(report: &mut Report, ask: &Ask) -> Result<(), String> {
 }
 
 /// Fig. 12.
-pub fn space(ask: &Ask) -> Result<Report, String> {
+pub fn space(settings: &Settings) -> Result<Report, String> {
     let mut report = Report::default();
-    add_space(&mut report, ask)?;
-    let seeds = ask.seeds(10)?;
+    add_space(&mut report, settings)?;
+    let seeds = settings.seeds(10)?;
     let known = AngleScenario { start_known: 3.0, ..AngleScenario::spatial(0.0, 0.0) };
-    let [lost, good] = survivors(ask, &seeds, &known, [5.0, 7.0])?;
+    let [lost, good] = survivors(settings, &seeds, &known, [5.0, 7.0])?;
     report.add("in space, started known to 3 deg: share lost, 1", lost, Compare::Alone);
     report.add(
         "in space, started known to 3 deg: share flown within 5 and 7 deg, 1",
         good,
         Compare::Alone,
     );
-    let moving = ask.on(AngleScenario {
+    let moving = settings.on(AngleScenario {
         duration: 30.0,
         anchor: AnchorMotion { amplitude: 0.5, period: 8.0 },
         anchor_y: AnchorMotion { amplitude: 0.3, period: 10.0 },
         ..AngleScenario::spatial(25.0, 20.0)
     })?;
-    let weak = ask.on(AngleScenario { thrust_true: 11.5, ..AngleScenario::spatial(25.0, 20.0) })?;
+    let weak =
+        settings.on(AngleScenario { thrust_true: 11.5, ..AngleScenario::spatial(25.0, 20.0) })?;
     let median = |s: &AngleScenario, pick: fn(&SpatialTrace) -> f64| -> Result<f64, String> {
         let work = |seed: &u64| fly_spatial(s, *seed);
         let flown = parallel::map(&seeds, parallel::cores(), work, |_| {});
@@ -106,7 +107,7 @@ pub fn space(ask: &Ask) -> Result<Report, String> {
         median(&weak, |t| t.bias[0])?,
         near(-4.9, 0.7),
     );
-    let bias = median(&ask.on(AngleScenario::spatial(25.0, 15.0))?, |t| t.bias[0])?;
+    let bias = median(&settings.on(AngleScenario::spatial(25.0, 15.0))?, |t| t.bias[0])?;
     report.add(
         "25, 15 deg: bias, deg",
         bias,
@@ -117,8 +118,10 @@ pub fn space(ask: &Ask) -> Result<Report, String> {
          What is lost is lost at the start: near zero a single reading says little of the angle."
             .into(),
     );
-    let trace = fly_spatial(&moving, ask.seed)?;
-    let line = |name: &'static str, colour, pick: fn(&crate::tether_angle::SpatialRow) -> f64| {
+    let trace = fly_spatial(&moving, settings.seed)?;
+    let line = |name: &'static str,
+                colour,
+                pick: fn(&crate::bench::tether_angle::SpatialRow) -> f64| {
         Line::new(name, colour, trace.rows.iter().map(|r| (r.time, pick(r).to_degrees())).collect())
     };
     let cells = vec![

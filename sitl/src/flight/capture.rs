@@ -1,0 +1,101 @@
+//! Motion capture: cameras that track the vehicle and its rod, and a computer that publishes the poses by
+//! MAVLink: ODOMETRY, and DEBUG_VECT named `rod`. Late, noisy, and now and then not at all.
+
+use super::mavlink_sender::MavlinkSender;
+use super::recorder::quaternion;
+use crate::plant::{Generator, Plant, RodPhase, V3, generator, normal, uniform};
+use crate::scenario::{CaptureSection, FaultKind, Faults};
+use mavlink::dialects::common::{DEBUG_VECT_DATA, MavFrame, ODOMETRY_DATA};
+use mavlink::types::CharArray;
+use nalgebra::UnitQuaternion;
+use std::collections::VecDeque;
+
+/// Ids of the computer: a component for visual odometry.
+const SYSTEM: u32 = 200;
+const COMPONENT: u8 = 197;
+
+/// The cameras and what is in transit.
+#[derive(Debug)]
+pub struct MotionCapture {
+    model: CaptureSection,
+    rng: Generator,
+    sender: MavlinkSender,
+    /// When it arrives, µs, and its bytes.
+    in_transit: VecDeque<(u64, Vec<u8>)>,
+    next_us: u64,
+}
+
+impl MotionCapture {
+    /// Nothing measured yet.
+    #[must_use]
+    pub fn new(model: CaptureSection, seed: u64) -> Self {
+        Self {
+            model,
+            rng: generator(seed, 5),
+            sender: MavlinkSender::new(SYSTEM, COMPONENT),
+            in_transit: VecDeque::new(),
+            next_us: 0,
+        }
+    }
+
+    /// Samples the world; `deliver` is called with every frame that arrives now.
+    pub fn step(
+        &mut self,
+        now_us: u64,
+        plant: &Plant,
+        faults: &Faults,
+        deliver: &mut dyn FnMut(&[u8]),
+    ) {
+        let time = now_us as f64 * 1e-6;
+        let is_lost = faults.is_active(FaultKind::CaptureLost, time);
+        if now_us >= self.next_us {
+            self.next_us = now_us + (1e6 / self.model.rate).round() as u64;
+            let is_dropped = 0.5 * (uniform(&mut self.rng) + 1.0) < self.model.dropped;
+            let frames = self.frames(now_us, plant, !faults.is_active(FaultKind::RodUnseen, time));
+            let jitter = self.model.jitter * uniform(&mut self.rng).abs();
+            let due = now_us + ((self.model.delay + jitter) * 1e6) as u64;
+            if !is_lost && !is_dropped {
+                self.in_transit.extend(frames.into_iter().map(|frame| (due, frame)));
+            }
+        }
+        // In order: a datagram that overtakes another would be older than what is known.
+        while self.in_transit.front().is_some_and(|(due, _)| *due <= now_us) {
+            if let Some((_, frame)) = self.in_transit.pop_front() {
+                deliver(&frame);
+            }
+        }
+    }
+
+    fn with_noise(&mut self, v: V3, by: f64) -> [f32; 3] {
+        v.map(|x| (x + by * normal(&mut self.rng)) as f32).into()
+    }
+
+    fn frames(&mut self, now_us: u64, plant: &Plant, is_rod_visible: bool) -> Vec<Vec<u8>> {
+        let body = &plant.body;
+        let [x, y, z] = self.with_noise(body.position, self.model.position_noise);
+        let turn = V3::from_fn(|_, _| self.model.attitude_noise * normal(&mut self.rng));
+        let attitude = body.attitude * UnitQuaternion::from_scaled_axis(turn);
+        let pose = ODOMETRY_DATA {
+            time_usec: now_us,
+            x,
+            y,
+            z,
+            q: quaternion(&attitude).map(|x| x as f32),
+            vx: f32::NAN,
+            vy: f32::NAN,
+            vz: f32::NAN,
+            frame_id: MavFrame::MAV_FRAME_LOCAL_NED,
+            child_frame_id: MavFrame::MAV_FRAME_BODY_FRD,
+            ..ODOMETRY_DATA::default()
+        };
+        let mut frames = vec![self.sender.frame(&pose)];
+        let rod = plant.rod.as_ref().filter(|rod| is_rod_visible && rod.phase != RodPhase::Fallen);
+        if let Some(direction) = rod.map(|rod| rod.direction) {
+            let [x, y, z] = self.with_noise(direction, self.model.rod_noise);
+            let name = CharArray::from("rod");
+            let vector = DEBUG_VECT_DATA { time_usec: now_us, x, y, z, name };
+            frames.push(self.sender.frame(&vector));
+        }
+        frames
+    }
+}

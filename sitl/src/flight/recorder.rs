@@ -1,0 +1,149 @@
+//! The flight on disk: the firmware's own ULog, and the truth beside it.
+
+use super::shadow_estimators::{ShadowEstimators, TOPICS};
+use crate::plant::Plant;
+use nalgebra::UnitQuaternion;
+use std::io::{self, Write};
+use tautline_firmware::log::topics::{
+    EstimatorPosition, TetherState, VehicleAttitude, VehicleLocalPosition,
+};
+use tautline_firmware::log::{FlightLog, Topic};
+use tautline_firmware::param::Params;
+use tautline_firmware::time::Micros;
+use tautline_firmware::vehicle::StepOutput;
+
+/// Truth is written every so many steps.
+const TRUTH_PERIOD: u64 = 10;
+/// So are the shadow estimators.
+const SHADOW_PERIOD: u64 = 20;
+
+const ATTITUDE: &str = "vehicle_attitude_groundtruth";
+const POSITION: &str = "vehicle_local_position_groundtruth";
+const TETHER: &str = "tether_state_groundtruth";
+
+/// Writes a log; the first write error ends it and is returned by [`Self::finish`].
+#[derive(Debug)]
+pub struct Recorder<W: Write> {
+    log: FlightLog,
+    attitude: Topic,
+    position: Topic,
+    tether: Topic,
+    shadow: ShadowEstimators,
+    shadow_topics: [Topic; TOPICS.len()],
+    out: W,
+    steps: u64,
+    error: Option<io::Error>,
+}
+
+fn put<W: Write>(out: &mut W, error: &mut Option<io::Error>, bytes: &[u8]) {
+    if error.is_none()
+        && let Err(e) = out.write_all(bytes)
+    {
+        *error = Some(e);
+    }
+}
+
+impl<W: Write> Recorder<W> {
+    /// Header, definitions, parameters.
+    pub fn start(mut out: W, now: Micros, params: &Params) -> Self {
+        let mut error = None;
+        let mut sink = |bytes: &[u8]| put(&mut out, &mut error, bytes);
+        let mut log = FlightLog::start(
+            now,
+            params,
+            |ulog, sink| {
+                ulog.define::<VehicleAttitude>(ATTITUDE, sink);
+                ulog.define::<VehicleLocalPosition>(POSITION, sink);
+                ulog.define::<TetherState>(TETHER, sink);
+                for name in TOPICS {
+                    ulog.define::<EstimatorPosition>(name, sink);
+                }
+            },
+            &mut sink,
+        );
+        let attitude = log.ulog.subscribe(ATTITUDE, &mut sink);
+        let position = log.ulog.subscribe(POSITION, &mut sink);
+        let tether = log.ulog.subscribe(TETHER, &mut sink);
+        let shadow_topics = TOPICS.map(|name| log.ulog.subscribe(name, &mut sink));
+        let shadow = ShadowEstimators::new(params);
+        Self { log, attitude, position, tether, shadow, shadow_topics, out, steps: 0, error }
+    }
+
+    /// One step and the truth at its end.
+    pub fn write(&mut self, out: &StepOutput, plant: &Plant) {
+        let (file, error) = (&mut self.out, &mut self.error);
+        let mut sink = |bytes: &[u8]| put(file, error, bytes);
+        self.log.write(out, &mut sink);
+        if self.steps.is_multiple_of(TRUTH_PERIOD) {
+            let at = out.now.0;
+            self.log.ulog.write(self.attitude, &true_attitude(at, plant), &mut sink);
+            self.log.ulog.write(self.position, &true_position(at, plant), &mut sink);
+            self.log.ulog.write(self.tether, &true_tether(at, plant), &mut sink);
+        }
+        self.shadow.step(out);
+        if self.steps.is_multiple_of(SHADOW_PERIOD) {
+            let records = self.shadow.records(out.now.0);
+            for (topic, record) in self.shadow_topics.iter().zip(&records) {
+                if let Some(record) = record {
+                    self.log.ulog.write(*topic, record, &mut sink);
+                }
+            }
+        }
+        self.steps += 1;
+    }
+
+    /// Flushes.
+    ///
+    /// # Errors
+    /// The first error of any write.
+    pub fn finish(mut self) -> io::Result<W> {
+        if let Some(error) = self.error.take() {
+            return Err(error);
+        }
+        self.out.flush()?;
+        Ok(self.out)
+    }
+}
+
+/// `[w, x, y, z]`.
+#[must_use]
+pub fn quaternion(q: &UnitQuaternion<f64>) -> [f64; 4] {
+    let sign = if q.w < 0.0 { -1.0 } else { 1.0 };
+    [q.w * sign, q.i * sign, q.j * sign, q.k * sign]
+}
+
+fn true_attitude(timestamp: u64, plant: &Plant) -> VehicleAttitude {
+    VehicleAttitude { timestamp, q: quaternion(&plant.body.attitude).map(|x| x as f32) }
+}
+
+fn true_position(timestamp: u64, plant: &Plant) -> VehicleLocalPosition {
+    let (p, v) = (&plant.from_anchor(), &plant.body.velocity);
+    let (_, _, heading) = plant.body.attitude.euler_angles();
+    VehicleLocalPosition {
+        timestamp,
+        x: p.x as f32,
+        y: p.y as f32,
+        z: p.z as f32,
+        vx: v.x as f32,
+        vy: v.y as f32,
+        vz: v.z as f32,
+        heading: heading as f32,
+        eph: 0.0,
+        epv: 0.0,
+        dist_bottom: -p.z as f32,
+        xy_valid: true,
+        z_valid: true,
+    }
+}
+
+fn true_tether(timestamp: u64, plant: &Plant) -> TetherState {
+    let p = &plant.from_anchor();
+    TetherState {
+        timestamp,
+        elevation: (-p.z).atan2(p.x.hypot(p.y)) as f32,
+        azimuth: p.y.atan2(p.x) as f32,
+        length: p.norm() as f32,
+        tension: plant.tether.tension as f32,
+        taut: plant.tether.tension > 0.0,
+    }
+}

@@ -1,0 +1,95 @@
+//! One millisecond at a time: plant → sensors → drivers → the firmware's step → ESCs.
+
+use super::{Autopilot, Environment};
+use crate::scenario::{Scenario, ScenarioError, Source};
+use tautline_board::flight::protocol;
+use tautline_firmware::link::Link;
+use tautline_firmware::param::Params;
+use tautline_firmware::sense::RawSensors;
+use tautline_firmware::time::Micros;
+use tautline_firmware::vehicle::{StepInput, StepOutput};
+use tautline_hal_shim::fake::FakeEsc;
+use tautline_hal_shim::motors::MotorOutputs;
+
+/// Everything: the physical world, the vehicle's devices and its firmware.
+#[derive(Debug)]
+pub struct World {
+    /// All but the firmware.
+    pub environment: Environment,
+    motors: MotorOutputs<FakeEsc>,
+    /// The firmware.
+    pub vehicle: Autopilot,
+    /// Its MAVLink connection.
+    pub link: Link,
+}
+
+impl World {
+    /// Powers everything up. `params` come from the scenario, the command line or a file.
+    ///
+    /// # Errors
+    /// What a driver's set-up reports.
+    pub fn new(scenario: &Scenario, params: Params, seed: u64) -> Result<Self, ScenarioError> {
+        let mut environment = Environment::new(scenario, &params, seed);
+        environment.sensors.set_up().map_err(ScenarioError)?;
+        let protocol = protocol(&params);
+        let escs = std::array::from_fn(|_| FakeEsc::new(environment.clock().clone(), protocol));
+        let motors = match MotorOutputs::try_new(escs, protocol) {
+            Ok(motors) => motors,
+            Err(never) => match never {},
+        };
+        let vehicle = Autopilot::new(scenario.scalar, params, environment.sensors.scale());
+        environment.begin();
+        Ok(Self { environment, motors, vehicle, link: Link::new() })
+    }
+
+    /// µs since power-up.
+    #[must_use]
+    pub fn now(&self) -> Micros {
+        self.environment.now()
+    }
+
+    /// Seconds since the first step.
+    #[must_use]
+    pub fn time(&self) -> f64 {
+        self.environment.time()
+    }
+
+    /// Hands the link a datagram of the ground station, unless the link is cut.
+    pub fn receive(&mut self, datagram: &[u8], send: &mut dyn FnMut(&[u8])) {
+        let (now, params, link) = (self.environment.now(), self.vehicle.params(), &mut self.link);
+        self.environment.deliver(Source::Ground, datagram, &mut |datagram| {
+            link.receive_datagram(now, datagram, params, send);
+        });
+    }
+
+    /// One millisecond.
+    pub fn step(&mut self, send: &mut dyn FnMut(&[u8])) -> StepOutput {
+        let winch = f64::from(self.vehicle.winch_tension());
+        self.environment.advance(self.motors.channels_mut(), winch);
+        let (now, params) = (self.environment.now(), self.vehicle.params());
+        let link = &mut self.link;
+        self.environment
+            .publish_capture(&mut |frame| link.receive_datagram(now, frame, params, send));
+        let sensors = RawSensors {
+            capture: self.link.take_capture(),
+            rod: self.link.take_rod(),
+            ..self.environment.read()
+        };
+        let input = StepInput {
+            now,
+            sensors,
+            heartbeat_at: self.link.heartbeat_at(),
+            sticks: self.link.sticks(),
+            request: self.link.next_request(),
+        };
+        let out = self.vehicle.step(&input);
+        match self.motors.write(&out.actuation.throttle) {
+            Ok(()) => {}
+            Err(never) => match never {},
+        }
+        self.vehicle.maintain();
+        self.link.transmit(&out, self.vehicle.params(), send);
+        self.environment.release_rod(out.mode);
+        out
+    }
+}

@@ -1,0 +1,166 @@
+//! How well was it flown? Against the truth, not the estimate.
+
+use super::Spread;
+use super::angle::{AngleFlightSummary, AngleMetrics};
+use super::pendulum::{PendulumFlightSummary, PendulumMetrics};
+use super::taut::{TautMetrics, TautSummary};
+use crate::plant::{Plant, V3};
+use nalgebra::Rotation3;
+use serde::Serialize;
+use tautline_firmware::supervisor::{GroundState, Mode};
+use tautline_firmware::vehicle::StepOutput;
+
+/// Beyond these the vehicle counts as lost.
+const LOST_TILT: f64 = 1.22;
+const LOST_DISTANCE: f64 = 8.0;
+
+/// Collects during a flight.
+#[derive(Clone, Debug, Default)]
+pub struct Metrics {
+    /// Horizontal distance from the reference while holding, m.
+    pub hold_horizontal: Spread,
+    /// Height error while holding, m.
+    pub hold_vertical: Spread,
+    /// Horizontal error of the position estimate in the air, m.
+    pub estimate_horizontal: Spread,
+    /// Angle between estimated and true attitude in the air, rad.
+    pub attitude: Spread,
+    /// The part of it that is roll and pitch, rad.
+    pub tilt: Spread,
+    /// Error of the tension estimate in the air, N.
+    pub tension: Spread,
+    /// Sink rate at the last touch-down after flight, m/s.
+    pub touch_down: Option<f64>,
+    /// Horizontal speed there, m/s.
+    pub touch_down_drift: Option<f64>,
+    /// Why the vehicle counts as lost.
+    pub lost: Option<&'static str>,
+    /// In the taut-link modes.
+    pub taut: TautMetrics,
+    /// In Tether Angle.
+    pub angle: AngleMetrics,
+    /// In Pendulum.
+    pub pendulum: PendulumMetrics,
+    /// Largest squared-innovation ratios in the air: accelerometer, altitude, length.
+    pub health_max: [f64; 3],
+    was_touching: bool,
+    has_flown: bool,
+}
+
+/// What goes into tables and JSON.
+#[derive(Clone, Debug, Serialize)]
+pub struct Summary {
+    /// Horizontal, while holding.
+    pub hold_horizontal_rms_m: Option<f64>,
+    /// Largest.
+    pub hold_horizontal_max_m: f64,
+    /// Height, while holding.
+    pub hold_vertical_rms_m: Option<f64>,
+    /// Of the position estimate.
+    pub estimate_horizontal_rms_m: Option<f64>,
+    /// Of the whole attitude, yaw included.
+    pub attitude_rms_rad: Option<f64>,
+    /// Of roll and pitch.
+    pub tilt_rms_rad: Option<f64>,
+    /// Of the tension estimate.
+    pub tension_rms_n: Option<f64>,
+    /// Sink rate.
+    pub touch_down_mps: Option<f64>,
+    /// Horizontal speed.
+    pub touch_down_drift_mps: Option<f64>,
+    /// In the taut-link modes.
+    pub taut: Option<TautSummary>,
+    /// In Tether Angle.
+    pub angle: Option<AngleFlightSummary>,
+    /// In Pendulum.
+    pub pendulum: Option<PendulumFlightSummary>,
+    /// Why lost.
+    pub lost: Option<&'static str>,
+}
+
+/// The estimate's rotation.
+fn estimated(out: &StepOutput) -> Rotation3<f64> {
+    let m = out.estimate.attitude.0.map(f64::from);
+    Rotation3::from_matrix_unchecked(m)
+}
+
+impl Metrics {
+    /// One step; `is_holding` while a hold of the mission lasts.
+    pub fn step(&mut self, out: &StepOutput, plant: &Plant, is_holding: bool) {
+        let body = &plant.body;
+        let touches = plant.ground.is_touching();
+        let in_air = matches!(out.ground, GroundState::InAir | GroundState::Landing) && !touches;
+        self.has_flown |= in_air && body.height() > 0.5;
+        if touches && !self.was_touching && self.has_flown {
+            self.touch_down = plant.ground.touch_down_speed.map(f64::abs);
+            self.touch_down_drift = Some(body.velocity.x.hypot(body.velocity.y));
+            self.has_flown = false;
+        }
+        self.was_touching = touches;
+        self.taut.step(out, plant);
+        self.angle.step(out, plant);
+        self.pendulum.step(out, plant);
+        if let Some(why) = self.taut.lost.or(self.angle.lost).or(self.pendulum.lost) {
+            self.lost.get_or_insert(why);
+        }
+        if !in_air {
+            return;
+        }
+        let truth = body.attitude.to_rotation_matrix();
+        let estimate = estimated(out);
+        // By the chord: an arc cosine turns rounding into NaN where the two agree.
+        let chord = (truth.matrix() - estimate.matrix()).norm() / 8.0_f64.sqrt();
+        self.attitude.add(2.0 * chord.min(1.0).asin());
+        let down = |r: &Rotation3<f64>| r.inverse() * V3::z();
+        self.tilt.add(down(&truth).angle(&down(&estimate)));
+        let health = &out.estimate.health;
+        for (max, now) in
+            self.health_max.iter_mut().zip([health.accel, health.altitude, health.length])
+        {
+            *max = max.max(f64::from(now));
+        }
+        if let Some(position) = out.estimate.position {
+            let error = position.0.map(f64::from) - plant.from_anchor();
+            self.estimate_horizontal.add(error.x.hypot(error.y));
+        }
+        if let Some(tether) = out.estimate.tether {
+            self.tension.add(f64::from(tether.tension) - plant.tether.tension);
+        }
+        if let Some(reference) = out.reference {
+            let error = plant.from_anchor() - reference.position.0.map(f64::from);
+            if is_holding {
+                self.hold_horizontal.add(error.x.hypot(error.y));
+                self.hold_vertical.add(error.z);
+            }
+            if error.norm() > LOST_DISTANCE && out.mode != Mode::Land {
+                self.lost.get_or_insert("over 8 m from the reference");
+            }
+        }
+        if body.tilt() > LOST_TILT {
+            self.lost.get_or_insert("tilted over 70 deg");
+        }
+        if body.height() < 0.0 {
+            self.lost.get_or_insert("below the ground");
+        }
+    }
+
+    /// The figures.
+    #[must_use]
+    pub fn summary(&self) -> Summary {
+        Summary {
+            hold_horizontal_rms_m: self.hold_horizontal.rms(),
+            hold_horizontal_max_m: self.hold_horizontal.max,
+            hold_vertical_rms_m: self.hold_vertical.rms(),
+            estimate_horizontal_rms_m: self.estimate_horizontal.rms(),
+            attitude_rms_rad: self.attitude.rms(),
+            tilt_rms_rad: self.tilt.rms(),
+            tension_rms_n: self.tension.rms(),
+            touch_down_mps: self.touch_down,
+            touch_down_drift_mps: self.touch_down_drift,
+            taut: self.taut.summary(),
+            angle: self.angle.summary(),
+            pendulum: self.pendulum.summary(),
+            lost: self.lost,
+        }
+    }
+}

@@ -1,0 +1,14 @@
+//! How well was it flown? Against the truth, not the estimate: a whole flight ([`Metrics`]), and beside it
+//! each mode that has figures of its own.
+
+mod angle;
+mod flown;
+mod pendulum;
+mod spread;
+mod taut;
+
+pub use angle::{AngleFlightSummary, AngleMetrics};
+pub use flown::{Metrics, Summary};
+pub use pendulum::{PendulumFlightSummary, PendulumMetrics};
+pub use spread::Spread;
+pub use taut::{TautMetrics, TautSummary};

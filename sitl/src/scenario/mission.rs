@@ -1,0 +1,95 @@
+//! `[[mission]]`: the steps that the built-in mission runner flies.
+
+use serde::{Deserialize, Serialize};
+
+/// What a taut-link mode controls beside the elevation.
+#[derive(Clone, Copy, Debug, Deserialize, Serialize, PartialEq, Eq)]
+#[serde(rename_all = "lowercase")]
+pub enum TautControl {
+    /// Link force.
+    Force,
+    /// Pitch.
+    Attitude,
+}
+
+/// `[[mission]]`: one step of the built-in mission runner.
+#[derive(Clone, Debug, Deserialize, Serialize, PartialEq)]
+#[serde(tag = "do", rename_all = "snake_case", deny_unknown_fields)]
+pub enum Step {
+    /// Wait until the vehicle reports that it can be armed, then arm.
+    Arm,
+    /// Take off to this altitude, m, and wait for the hold.
+    Takeoff {
+        /// m over the anchor.
+        altitude: f64,
+    },
+    /// Stay, and measure.
+    Hold {
+        /// s.
+        seconds: f64,
+    },
+    /// Go to another place and wait until there; absent coordinates stay.
+    Move {
+        /// rad.
+        #[serde(default)]
+        elevation: Option<f64>,
+        /// rad.
+        #[serde(default)]
+        azimuth: Option<f64>,
+        /// m.
+        #[serde(default)]
+        length: Option<f64>,
+        /// N.
+        #[serde(default)]
+        tension: Option<f64>,
+    },
+    /// Change to a taut-link mode and wait until it flies.
+    Taut {
+        /// What it controls.
+        control: TautControl,
+    },
+    /// A smooth step in a taut-link mode; wait until it is flown.
+    TautMove {
+        /// From, to, rad.
+        elevation: [f64; 2],
+        /// Link force, N, or pitch, rad: from, to.
+        second: [f64; 2],
+        /// Which of the two.
+        control: TautControl,
+        /// s.
+        duration: f64,
+    },
+    /// Change to Tether Angle and wait until it flies.
+    TetherAngle,
+    /// Change to Pendulum and wait until it flies; whoever holds the rod lets go.
+    Pendulum,
+    /// A hand takes the rod; the next step follows at once.
+    CatchRod,
+    /// Whoever holds the tether begins to walk; the next step follows at once.
+    WalkAnchor {
+        /// North and East, m.
+        way: [f64; 2],
+        /// m/s.
+        speed: f64,
+        /// Up to that speed and down again, s.
+        ramp: f64,
+    },
+    /// Take the sticks: throttle down, mode Altitude. The mission keeps them from here on.
+    Altitude,
+    /// In Altitude: climb to a height and shake thrust, roll and pitch there.
+    Excite {
+        /// m over the ground.
+        altitude: f64,
+        /// s, the climb included.
+        seconds: f64,
+    },
+    /// Back to Tether Hold.
+    TetherHold,
+    /// Land and wait until disarmed.
+    Land,
+    /// Wait until disarmed, whatever the reason.
+    AwaitDisarmed {
+        /// s.
+        timeout: f64,
+    },
+}

@@ -1,0 +1,69 @@
+//! How an operator sets the scenario's vehicle up: its place at the start and its parameters.
+
+use super::{Scenario, ScenarioError, TetherKind, set_param};
+use tautline_firmware::param::Params;
+
+impl Scenario {
+    /// Where the vehicle stands: distance from the anchor, m, and heading, rad.
+    #[must_use]
+    pub fn start(&self) -> (f64, f64) {
+        let height = self.vehicle.leg_height;
+        let distance = match self.tether.kind {
+            TetherKind::Winch | TetherKind::None => self.tether.start_distance,
+            // Just short of taut, as an operator lays it out.
+            TetherKind::Fixed => {
+                let taut = (self.tether.length.powi(2) - height.powi(2)).sqrt();
+                (taut - 0.02 - self.tether.start_slack).max(0.2)
+            }
+            // A rigid link is as long as it is.
+            TetherKind::Strut | TetherKind::Bar => {
+                let end = height - self.tether.attachment;
+                (self.tether.length.powi(2) - end.powi(2)).sqrt()
+            }
+        };
+        (distance, self.vehicle.heading)
+    }
+
+    /// The firmware's parameters: what an operator would have set for this vehicle, then the file's own.
+    ///
+    /// # Errors
+    /// A line naming the parameter.
+    pub fn params(&self) -> Result<Params, ScenarioError> {
+        let (v, t) = (&self.vehicle, &self.tether);
+        let mut params = Params::default();
+        let [ix, iy, iz] = v.inertia;
+        let rotor_max = v.thrust_coefficient * v.rotor_speed_max * v.rotor_speed_max;
+        let known = [
+            ("VEH_MASS", v.mass),
+            ("VEH_IXX", ix),
+            ("VEH_IYY", iy),
+            ("VEH_IZZ", iz),
+            ("VEH_ARM", v.arm),
+            ("VEH_CQ", v.torque_ratio),
+            ("VEH_ATT_Z", t.attachment),
+            ("VEH_H_GND", v.leg_height),
+            ("MOT_THR_MAX", rotor_max),
+            ("MOT_V_NOM", v.nominal_voltage),
+            ("MOT_TAU", v.rotor_time_constant),
+            ("TPC_THR_MAX", 3.5 * rotor_max),
+            ("BAT1_N_CELLS", self.battery.cells),
+            ("TET_KIND", t.kind.parameter()),
+            ("TET_LENGTH", t.length),
+            ("TET_LIN_DENS", t.line_density),
+            ("TET_START_DIST", t.start_distance),
+            ("TET_START_SLK", t.start_slack),
+            ("TET_HDG0", v.heading),
+            ("PND_LENGTH", self.rod.length),
+            ("CAP_DELAY", self.capture.delay),
+        ];
+        let load = [("PND_LOAD", self.rod.load_mass)];
+        let known = known.into_iter().chain(load.into_iter().filter(|(_, mass)| *mass > 0.0));
+        for (name, value) in known {
+            set_param(&mut params, name, value as f32).map_err(ScenarioError)?;
+        }
+        for (name, &value) in &self.params {
+            set_param(&mut params, name, value).map_err(ScenarioError)?;
+        }
+        Ok(params)
+    }
+}
