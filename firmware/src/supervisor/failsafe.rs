@@ -268,6 +268,12 @@ impl FailsafeState {
         self.in_force | self.latched
     }
 
+    /// What has lasted its delay and is still there.
+    #[must_use]
+    pub const fn in_force(&self) -> u16 {
+        self.in_force
+    }
+
     /// Somebody took over: what is not in force any more is history.
     pub fn release(&mut self) {
         self.raised = 0;
@@ -363,12 +369,12 @@ impl Failsafes {
         action
     }
 
-    /// The most severe action that is in force.
+    /// The most severe action of some failures, bit n for row n.
     #[must_use]
-    pub fn in_force(&self, state: &FailsafeState) -> Option<FailsafeAction> {
+    pub fn severest(&self, failures: u16) -> Option<FailsafeAction> {
         FAILSAFES
             .iter()
-            .filter(|row| state.in_force & row.failure.mask() != 0)
+            .filter(|row| failures & row.failure.mask() != 0)
             .map(|row| (row.action)(self))
             .max()
     }
@@ -458,13 +464,13 @@ mod tests {
             safes.raise(&mut state, Failure::TetherSlack, Micros(0)),
             FailsafeAction::Descend
         );
-        assert_eq!(safes.in_force(&state), Some(FailsafeAction::Descend));
+        assert_eq!(safes.severest(state.in_force()), Some(FailsafeAction::Descend));
         let (action, announced) = safes.step(&mut state, &healthy(), Micros(4_000));
         assert_eq!(action, Some(FailsafeAction::Descend));
         assert!(announced.is_none(), "told twice");
         // Nothing shows it any more: it forbids nothing, but still is why the vehicle descends.
         safes.step(&mut state, &healthy(), Micros(5_000_000));
-        assert_eq!(safes.in_force(&state), None);
+        assert_eq!(safes.severest(state.in_force()), None);
         assert_eq!(state.active(), slack);
         state.release();
         assert_eq!(state.active(), 0);

@@ -180,10 +180,13 @@ impl<S: Scalar> Vehicle<S> {
         if needs.position && !takes_off && !self.has_place() {
             return Err(rejected("Mode refused: no position estimate"));
         }
-        if cx.is_in_air() && !takes_off {
+        if self.situation.armed_at.is_some() {
             let is_escape = needs.sticks || entry.mode == FailsafeAction::LEVEL;
             let lands = Some(entry.mode) == FailsafeAction::Land.mode();
-            match self.config.failsafes.in_force(&self.state.failsafe) {
+            // In the air a failure that has gone may be flown on; after the landing the motors stop first.
+            let failsafe = &self.state.failsafe;
+            let bits = if cx.is_in_air() { failsafe.in_force() } else { failsafe.active() };
+            match self.config.failsafes.severest(bits) {
                 Some(FailsafeAction::Land) if !lands && !is_escape => {
                     return Err(rejected("Mode refused: failsafe is landing"));
                 }

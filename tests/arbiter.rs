@@ -1,0 +1,259 @@
+//! Every fault in every mode: nothing changes the mode or stops the motors but a request or a row of the failsafe
+//! table, and the operator is told why, once.
+
+#![allow(clippy::unwrap_used, clippy::panic, clippy::indexing_slicing, reason = "tests")]
+
+use mavlink::dialects::common::{COMMAND_LONG_DATA, MavCmd};
+use tautline_firmware::signal::Severity;
+use tautline_firmware::supervisor::{FailsafeAction, Failure, GroundState, Mode};
+use tautline_firmware::vehicle::StepOutput;
+use tautline_sitl::flight::{Flight, MavlinkSender};
+use tautline_sitl::scenario::{FaultKind, FaultSection, Scenario, Step};
+use tautline_tests::{HOLD, flight, run, until};
+
+const FAULTS: [(FaultKind, f64); 13] = [
+    (FaultKind::ImuFrozen, 0.0),
+    (FaultKind::ImuSilent, 0.0),
+    (FaultKind::ImuDead, 0.0),
+    (FaultKind::RangefinderLost, 0.0),
+    (FaultKind::BarometerLost, 0.0),
+    (FaultKind::AltimeterLost, 0.0),
+    (FaultKind::TetherBroken, 0.0),
+    (FaultKind::WinchSilent, 0.0),
+    (FaultKind::BatteryAt, 0.0),
+    (FaultKind::LinkLost, 0.0),
+    (FaultKind::GyroBias, 0.05),
+    (FaultKind::CaptureLost, 0.0),
+    (FaultKind::RodUnseen, 0.0),
+];
+
+/// Asks for a mode as a ground station does.
+fn ask(flight: &mut Flight<Vec<u8>>, mode: Mode) {
+    let [_, _, main, sub] = mode.rule().custom_mode.to_le_bytes();
+    let message = COMMAND_LONG_DATA {
+        command: MavCmd::MAV_CMD_DO_SET_MODE,
+        param1: 1.0,
+        param2: f32::from(main),
+        param3: f32::from(sub),
+        target_system: 1,
+        target_component: 1,
+        ..COMMAND_LONG_DATA::default()
+    };
+    let frame = MavlinkSender::new(255, 190).frame(&message);
+    flight.world.receive(&frame, &mut |_| {});
+}
+
+fn scenario(name: &str) -> Scenario {
+    let path = format!("{}/../sitl/scenarios/{name}.toml", env!("CARGO_MANIFEST_DIR"));
+    Scenario::load(path.as_ref()).unwrap()
+}
+
+fn fly(scenario: &Scenario) -> Flight<Vec<u8>> {
+    Flight::new(scenario, scenario.params().unwrap(), 3, Vec::new()).unwrap()
+}
+
+/// A scenario's mission as far as the step that enters the mode, then a long hold.
+fn as_far_as(name: &str, is_entry: fn(&Step) -> bool) -> Flight<Vec<u8>> {
+    let mut scenario = scenario(name);
+    let entry = scenario.mission.iter().position(is_entry).unwrap();
+    scenario.mission.truncate(entry + 1);
+    scenario.mission.push(Step::Hold { seconds: 1000.0 });
+    fly(&scenario)
+}
+
+/// A flight in the mode, in the air, some seconds old.
+fn in_mode(mode: Mode) -> Flight<Vec<u8>> {
+    let is_there = |out: &StepOutput| out.mode == mode && out.ground != GroundState::OnGround;
+    let mut flight = match mode {
+        Mode::TautForce | Mode::TautAttitude => {
+            as_far_as("taut", |step| matches!(step, Step::Taut { .. }))
+        }
+        Mode::TetherAngle => as_far_as("angle", |step| matches!(step, Step::TetherAngle)),
+        Mode::Pendulum => as_far_as("pendulum", |step| matches!(step, Step::Pendulum)),
+        Mode::Stabilize | Mode::Altitude => {
+            as_far_as("excite", |s| matches!(s, Step::Excite { .. }))
+        }
+        _ => flight(HOLD, 3),
+    };
+    match mode {
+        Mode::Takeoff => {
+            until(&mut flight, 60.0, |out| is_there(out) && out.estimate.height > 1.0);
+            return flight;
+        }
+        Mode::Stabilize => {
+            until(&mut flight, 60.0, |out| out.mode == Mode::Altitude && out.estimate.height > 2.0);
+            ask(&mut flight, mode);
+        }
+        Mode::TautAttitude => {
+            until(&mut flight, 80.0, |out| out.mode == Mode::TautForce);
+            run(&mut flight, 2.0);
+            ask(&mut flight, mode);
+        }
+        Mode::Land | Mode::Descent => {
+            until(&mut flight, 80.0, |out| {
+                out.mode == Mode::TetherHold && out.ground == GroundState::InAir
+            });
+            ask(&mut flight, mode);
+        }
+        _ => {}
+    }
+    until(&mut flight, 80.0, is_there);
+    run(&mut flight, if mode == Mode::Stabilize { 0.2 } else { 2.0 });
+    flight
+}
+
+/// Breaks it and watches for so long, or until the motors stand.
+fn watch(flight: &mut Flight<Vec<u8>>, (kind, value): (FaultKind, f64), seconds: f64) {
+    let start = flight.step(&mut |_| {});
+    let at = flight.world.now().0 as f64 * 1e-6;
+    flight.world.environment.faults.add(FaultSection { kind, at, duration: None, value });
+    let told = flight.events.len();
+    let end = flight.world.time() + seconds;
+    let mut last = start.clone();
+    let what = format!("{:?} with {kind:?}", start.mode);
+    while flight.world.time() < end && last.is_armed {
+        let out = flight.step(&mut |_| {});
+        let comes_down = matches!(out.mode, Mode::Land | Mode::Descent) && out.mode != start.mode;
+        if comes_down && out.is_armed {
+            assert_ne!(out.failures, 0, "{what}: {:?} for no reason", out.mode);
+        }
+        let has_landed = last.ground == GroundState::OnGround;
+        if !out.is_armed && !has_landed {
+            assert_ne!(out.failures, 0, "{what}: motors stopped for no reason");
+        }
+        if out.mode != last.mode && out.is_armed {
+            let has_taken_off = last.mode.rule().then.is_some_and(|(next, _)| next == out.mode);
+            assert!(has_taken_off || out.failures != 0, "{what}: {:?} unasked", out.mode);
+        }
+        last = out;
+    }
+    let critical: Vec<_> = flight.events[told..]
+        .iter()
+        .filter(|(_, event)| event.severity == Severity::Critical)
+        .map(|(_, event)| event.text)
+        .collect();
+    for text in &critical {
+        assert_eq!(critical.iter().filter(|t| t == &text).count(), 1, "{what}: {critical:?}");
+    }
+    if last.failures != 0 {
+        assert!(!critical.is_empty(), "{what}: failures {:b} and nobody told", last.failures);
+    }
+}
+
+fn every_fault_in(mode: Mode) {
+    for fault in FAULTS {
+        watch(&mut in_mode(mode), fault, 25.0);
+    }
+}
+
+/// A test a mode, so that they run beside each other.
+macro_rules! every_fault {
+    ($($name:ident: $mode:ident;)+) => {
+        $(#[test]
+        fn $name() {
+            every_fault_in(Mode::$mode);
+        })+
+
+        #[test]
+        fn every_mode_of_the_table_is_tried() {
+            let tried = [$(Mode::$mode),+];
+            for rule in &tautline_firmware::supervisor::MODES {
+                assert!(tried.contains(&rule.mode), "{}", rule.name);
+            }
+        }
+    };
+}
+
+every_fault! {
+    every_fault_in_stabilize_is_told_and_carries_its_bit: Stabilize;
+    every_fault_in_altitude_is_told_and_carries_its_bit: Altitude;
+    every_fault_in_tether_hold_is_told_and_carries_its_bit: TetherHold;
+    every_fault_in_takeoff_is_told_and_carries_its_bit: Takeoff;
+    every_fault_in_land_is_told_and_carries_its_bit: Land;
+    every_fault_in_descent_is_told_and_carries_its_bit: Descent;
+    every_fault_in_taut_force_is_told_and_carries_its_bit: TautForce;
+    every_fault_in_taut_attitude_is_told_and_carries_its_bit: TautAttitude;
+    every_fault_in_tether_angle_is_told_and_carries_its_bit: TetherAngle;
+    every_fault_in_pendulum_is_told_and_carries_its_bit: Pendulum;
+}
+
+/// The cable is cut; the first step of the descent.
+fn cut_in(mode: Mode) -> (Flight<Vec<u8>>, StepOutput) {
+    let mut flight = in_mode(mode);
+    let at = flight.world.now().0 as f64 * 1e-6;
+    let kind = FaultKind::TetherBroken;
+    flight.world.environment.faults.add(FaultSection { kind, at, duration: None, value: 0.0 });
+    let out = until(&mut flight, 5.0, |out| out.mode == Mode::Descent);
+    (flight, out)
+}
+
+#[test]
+fn a_cut_cable_is_a_failure_from_the_first_step_of_the_descent() {
+    for mode in [Mode::TautForce, Mode::TautAttitude, Mode::TetherAngle] {
+        let (_, out) = cut_in(mode);
+        assert_ne!(out.failures & 1 << Failure::TetherSlack as u16, 0, "{mode:?}");
+    }
+}
+
+#[test]
+fn no_mode_on_the_link_may_be_asked_back_while_the_link_is_gone() {
+    let (mut flight, _) = cut_in(Mode::TetherAngle);
+    for mode in [Mode::TetherHold, Mode::Land, Mode::TetherAngle, Mode::TautForce] {
+        let told = flight.events.len();
+        ask(&mut flight, mode);
+        let out = run(&mut flight, 0.1);
+        assert_eq!(out.mode, Mode::Descent, "{mode:?} was entered");
+        let texts = &flight.events[told..];
+        assert!(texts.iter().any(|(_, e)| e.text.contains("failsafe is descending")), "{texts:?}");
+    }
+}
+
+#[test]
+fn a_failure_that_ended_a_flight_is_told_until_the_motors_stand() {
+    let (mut flight, _) = cut_in(Mode::TautForce);
+    let slack = 1 << Failure::TetherSlack as u16;
+    until(&mut flight, 60.0, |out| {
+        assert!(!out.is_armed || out.failures & slack != 0, "forgotten at {:?}", out.now);
+        !out.is_armed
+    });
+}
+
+#[test]
+fn a_take_off_that_does_not_lift_is_a_failure_that_stops_the_motors() {
+    // A slack start waits for the height; and this weighs more than twice what the vehicle knows of.
+    let mut scenario = scenario("taut-slack");
+    scenario.vehicle.mass = 3.0;
+    scenario.params.insert("VEH_MASS".into(), 1.2);
+    let mut flight = fly(&scenario);
+    until(&mut flight, 20.0, |out| out.is_armed);
+    let out = until(&mut flight, 20.0, |out| !out.is_armed);
+    assert_ne!(out.failures & 1 << Failure::NoLiftOff as u16, 0);
+    let told = |text: &str| flight.events.iter().filter(|(_, e)| e.text.contains(text)).count();
+    assert_eq!(told("Take-off failed: no lift-off"), 1);
+}
+
+#[test]
+fn after_a_failsafe_landing_no_take_off_begins_until_the_motors_stood() {
+    let (mut flight, _) = cut_in(Mode::TautForce);
+    until(&mut flight, 60.0, |out| out.ground == GroundState::OnGround);
+    for mode in [Mode::Takeoff, Mode::TetherHold, Mode::Takeoff] {
+        ask(&mut flight, mode);
+        let out = run(&mut flight, 0.1);
+        assert_eq!((out.mode, out.is_armed), (Mode::Descent, true));
+    }
+    assert!(flight.events.iter().any(|(_, e)| e.text == "Mode refused: failsafe is descending"));
+}
+
+#[test]
+fn what_a_failsafe_flies_is_never_refused() {
+    // The arbiter enters these whatever the vehicle knows.
+    for action in [FailsafeAction::Hold, FailsafeAction::Land, FailsafeAction::Descend] {
+        let mode = action.mode().unwrap();
+        let mut flight = flight(HOLD, 1);
+        until(&mut flight, 80.0, |out| {
+            out.mode == Mode::Takeoff && out.ground == GroundState::InAir
+        });
+        ask(&mut flight, mode);
+        until(&mut flight, 0.5, |out| out.mode == mode);
+    }
+}
