@@ -2,10 +2,10 @@
 //! made anew, a [`Part`] at a time. Constructors are not inlined: they stand in the image once, for both ways.
 
 use crate::control::{AttitudeLoop, ClimbLoop, Link, Mixer, PositionLoop, RateLoop, ThrustMap};
-use crate::estimate::TetherEstimator;
 use crate::math::GRAVITY;
 use crate::mode::ModeConfig;
 use crate::model::LinkKind;
+use crate::navigation::Navigation;
 use crate::param::{Group, Params};
 use crate::scalar::Scalar;
 use crate::sense::{ImuScale, Sense};
@@ -16,7 +16,7 @@ use crate::trajectory::Planner;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Config<S: Scalar> {
     pub sense: Sense<S>,
-    pub estimator: TetherEstimator<S>,
+    pub navigation: Navigation<S>,
     pub planner: Planner<S>,
     pub position: PositionLoop<S>,
     pub attitude: AttitudeLoop<S>,
@@ -47,7 +47,7 @@ pub(crate) struct Constants<S: Scalar> {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Part {
     Sense,
-    Estimator,
+    Navigation,
     Planner,
     Position,
     /// Attitude, climb and rate loop, mixer, thrust map.
@@ -63,7 +63,7 @@ enum Part {
 
 const PARTS: [Part; 11] = [
     Part::Sense,
-    Part::Estimator,
+    Part::Navigation,
     Part::Planner,
     Part::Position,
     Part::Inner,
@@ -97,17 +97,17 @@ impl Stale {
         use Part as P;
         match group {
             Group::Vehicle | Group::Motors | Group::Sensors | Group::Tether => Self::ALL,
-            Group::Estimator => Self::of(&[P::Estimator]),
+            Group::Estimator => Self::of(&[P::Navigation]),
             Group::PositionControl => {
                 Self::of(&[P::Planner, P::Position, P::Inner, P::TautLink, P::Constants])
             }
             Group::AttitudeRateControl => Self::of(&[P::Inner, P::TetherAngle, P::Pendulum]),
             Group::TautLink => Self::of(&[P::TautLink, P::TetherAngle, P::Pendulum]),
             Group::TetherAngle => Self::of(&[P::TetherAngle]),
-            Group::MotionCapture => Self::of(&[P::Estimator, P::Pendulum]),
+            Group::MotionCapture => Self::of(&[P::Navigation, P::Pendulum]),
             Group::Pendulum => Self::of(&[P::Pendulum]),
             Group::TakeoffLanding => Self::of(&[P::Planner]),
-            Group::Failsafes => Self::of(&[P::Sense, P::Estimator, P::Supervisor]),
+            Group::Failsafes => Self::of(&[P::Sense, P::Navigation, P::Supervisor]),
             Group::GroundStation => Self(0),
         }
     }
@@ -129,8 +129,8 @@ fn usable<S: Scalar>(thrust_scale: f32) -> S {
     S::from_f32(thrust_scale.max(0.5))
 }
 
-fn estimator<S: Scalar>(p: &Params, sense: &Sense<S>, scale: ImuScale) -> TetherEstimator<S> {
-    TetherEstimator::new(p, *sense.accel_filter(), scale.rate_hz)
+fn navigation<S: Scalar>(p: &Params, sense: &Sense<S>, scale: ImuScale) -> Navigation<S> {
+    Navigation::new(p, *sense.accel_filter(), scale.rate_hz)
 }
 
 fn climb<S: Scalar>(p: &Params) -> ClimbLoop<S> {
@@ -176,7 +176,7 @@ impl<S: Scalar> Config<S> {
     pub fn new(p: &Params, scale: ImuScale) -> Self {
         let sense = Sense::new(p, scale);
         Self {
-            estimator: estimator(p, &sense, scale),
+            navigation: navigation(p, &sense, scale),
             sense,
             planner: Planner::new(p),
             position: PositionLoop::new(p),
@@ -199,7 +199,7 @@ impl<S: Scalar> Config<S> {
         };
         match part {
             Part::Sense => self.sense = Sense::new(p, scale),
-            Part::Estimator => self.estimator = estimator(p, &self.sense, scale),
+            Part::Navigation => self.navigation = navigation(p, &self.sense, scale),
             Part::Planner => self.planner = Planner::new(p),
             Part::Position => self.position = PositionLoop::new(p),
             Part::Inner => {
@@ -225,7 +225,7 @@ impl<S: Scalar> Config<S> {
     /// What was learnt in flight.
     pub fn set_thrust_scale(&mut self, scale: f32) {
         self.constants.thrust_scale = usable(scale);
-        self.estimator.set_thrust_scale(self.constants.thrust_scale);
+        self.navigation.set_thrust_scale(self.constants.thrust_scale);
     }
 }
 

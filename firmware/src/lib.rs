@@ -9,7 +9,7 @@
 //!
 //! [`vehicle::Vehicle::step`] is the whole autopilot; board and simulator call the same one. Layers,
 //! lowest first: [`scalar`], [`time`], [`frames`], [`fault`], [`math`], [`model`]; [`signal`] is the data
-//! between stages; [`sense`], [`estimate`], [`trajectory`], [`control`], [`supervisor`] are the stages; [`param`]
+//! between stages; [`sense`], [`estimate`] (the filters), [`navigation`] (what joins them), [`trajectory`], [`control`], [`supervisor`] are the stages; [`param`]
 //! holds every setting; [`vehicle`] joins them; [`link`] (MAVLink) and [`log`] (ULog) only read its
 //! output.
 //!
@@ -33,6 +33,7 @@ pub mod log;
 pub mod math;
 pub mod mode;
 pub mod model;
+pub mod navigation;
 pub mod param;
 pub mod scalar;
 pub mod sense;

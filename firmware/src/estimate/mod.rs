@@ -1,7 +1,7 @@
 //! Where are we, how do we sit, and how hard does the tether pull?
 //!
 //! Measurements: IMU, altimeter, tether length, and the thrust that was commanded. No GPS, no
-//! magnetometer. [`TetherEstimator`] joins the blocks; each block is usable alone.
+//! magnetometer. [`crate::navigation`] joins the blocks; each block is usable alone.
 //!
 //! **Why the accelerometer still shows "down" on a taut tether.** It measures the sum of all forces
 //! but gravity, over the mass. A vehicle at rest on a tether is in balance: thrust, pull and drag
@@ -22,7 +22,6 @@ mod mahony;
 pub mod pendulum;
 mod start_up;
 pub mod taut;
-mod tether;
 pub mod tether_angle;
 mod thrust_model;
 mod thrust_scale;
@@ -33,7 +32,6 @@ pub use crate::fault::Fault;
 pub use ekf4::{Ekf4, Ekf4Measurement, Ekf4State, Innovations, cable_jacobian, cable_reading};
 pub use mahony::{Mahony, MahonyState};
 pub use start_up::{LevelState, Leveller};
-pub use tether::{Phase, TetherEstimator, TetherEstimatorState};
 pub use thrust_model::{ThrustModel, ThrustModelState};
 pub use thrust_scale::{Calibrated, ThrustCalibration, ThrustCalibrationState};
 pub use velocity::{VelocityFilter, VelocityState};

@@ -5,9 +5,9 @@ use super::pendulum::RodWatch;
 use super::setpoints::Setpoints;
 use crate::config::Config;
 use crate::control::{AttitudeCommand, Link};
-use crate::estimate::TetherEstimatorState;
 use crate::estimate::taut::TautEstimatorState;
 use crate::frames::{Body, V3, World};
+use crate::navigation::NavigationState;
 use crate::param::Params;
 use crate::scalar::Scalar;
 use crate::signal::{Estimate, Imu, MixerReport, Sensors, Sticks};
@@ -23,7 +23,7 @@ pub(crate) const STICKS_TIMEOUT_US: u64 = 1_000_000;
 /// What the vehicle keeps up to date for the modes.
 #[derive(Clone, Debug)]
 pub(crate) struct Situation<S: Scalar> {
-    pub estimator: TetherEstimatorState<S>,
+    pub navigation: NavigationState<S>,
     pub estimate: Estimate<S>,
     pub smoothed: Option<Smoothed<S>>,
     pub taut: TautEstimatorState<S>,
@@ -39,7 +39,7 @@ pub(crate) struct Situation<S: Scalar> {
 impl<S: Scalar> Situation<S> {
     /// Inertial readings of the last outer step, bias removed.
     pub fn inertial_mean(&self) -> Imu<S> {
-        let average = self.estimator.average();
+        let average = self.navigation.average();
         let gyro = Body(average.gyro.0 - self.estimate.gyro_bias.0);
         Imu { gyro, accel: average.accel }
     }

@@ -94,7 +94,8 @@ impl<S: Scalar> FlightMode<S> for TetherAngle<S> {
         }
         let situation = cx.situation;
         let estimate = &situation.estimate;
-        let Some(position) = estimate.position.filter(|_| situation.estimator.is_airborne()) else {
+        let Some(position) = estimate.position.filter(|_| situation.navigation.is_airborne())
+        else {
             return Err(rejected("Mode refused: no position estimate"));
         };
         if estimate.tether.is_none_or(|tether| !tether.is_taut) {

@@ -71,7 +71,7 @@ impl<S: Scalar> Vehicle<S> {
         // Motion capture is quiet enough as it is.
         let is_noisy = self.config.constants.link != Link::Free;
         match &mut situation.smoothed {
-            Some(s) if is_noisy && situation.estimator.is_airborne() => {
+            Some(s) if is_noisy && situation.navigation.is_airborne() => {
                 s.position.0 += (position.0 - s.position.0) * k;
                 s.velocity.0 += (velocity.0 - s.velocity.0) * k;
                 s.tension += (tension - s.tension) * k;

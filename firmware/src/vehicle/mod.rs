@@ -21,10 +21,10 @@ pub use output::{StepInput, StepOutput};
 
 use crate::config::{Config, Stale};
 use crate::control::{AttitudeCommand, ClimbState, PositionState, RateSetpoint, RateState};
-use crate::estimate::Phase;
 use crate::estimate::taut::{TautEstimatorState, TautInput};
 use crate::frames::{Body, V3, World};
 use crate::mode::{ActiveMode, Context, Handover, Setpoints, Situation};
+use crate::navigation::Phase;
 use crate::param::Params;
 use crate::scalar::Scalar;
 use crate::sense::{ImuScale, SenseState};
@@ -109,8 +109,8 @@ impl<S: Scalar> Vehicle<S> {
     #[must_use]
     pub fn new(params: Params, scale: ImuScale) -> Self {
         let config = Config::new(&params, scale);
-        let estimator = config.estimator.start();
-        let estimate = config.estimator.estimate(&estimator);
+        let navigation = config.navigation.start();
+        let estimate = config.navigation.estimate(&navigation);
         let mode = ActiveMode::at_rest(Handover {
             heading: S::from_f32(params.start_heading),
             tension: S::from_f32(params.tension),
@@ -119,7 +119,7 @@ impl<S: Scalar> Vehicle<S> {
             climb: ClimbState::default(),
         });
         let situation = Situation {
-            estimator,
+            navigation,
             estimate,
             smoothed: None,
             taut: TautEstimatorState::default(),
@@ -181,7 +181,7 @@ impl<S: Scalar> Vehicle<S> {
         let has_renewed = self.config.renew(&mut self.stale, &self.params, self.scale);
         if has_renewed && self.situation.armed_at.is_none() {
             // The place to start from follows from the parameters.
-            self.situation.estimator.replace(&self.config.estimator);
+            self.situation.navigation.replace(&self.config.navigation);
         }
     }
 
@@ -243,13 +243,13 @@ impl<S: Scalar> Vehicle<S> {
             state.specific_force = crate::math::so3::norm(&imu.value.accel.0);
         }
         let was_levelled = situation.estimate.is_levelled;
-        let estimator = &self.config.estimator;
+        let navigation = &self.config.navigation;
         let thrusts = &state.actuation.thrusts;
-        let has_ticked = estimator.step(&mut situation.estimator, sensors, thrusts, phase);
+        let has_ticked = navigation.step(&mut situation.navigation, sensors, thrusts, phase);
         if has_ticked || !was_levelled {
-            situation.estimate = estimator.estimate(&situation.estimator);
+            situation.estimate = navigation.estimate(&situation.navigation);
         } else {
-            situation.estimate.rate = estimator.rate(&situation.estimator);
+            situation.estimate.rate = navigation.rate(&situation.navigation);
         }
         if situation.estimate.is_levelled && !was_levelled {
             events.push(Event::info("Levelled, gyro bias taken"));
@@ -274,7 +274,7 @@ impl<S: Scalar> Vehicle<S> {
     /// Runs the taut-link observer in the air, whatever the mode, so that it has converged when it is wanted.
     fn observe_link(&mut self) {
         let situation = &mut self.situation;
-        let is_airborne = situation.estimator.is_airborne();
+        let is_airborne = situation.navigation.is_airborne();
         let Some(taut) = self.config.modes.taut.as_ref().filter(|_| is_airborne) else {
             situation.taut = TautEstimatorState::default();
             return;
@@ -317,7 +317,7 @@ impl<S: Scalar> Vehicle<S> {
                     Body(V3::new(force.x, force.y, S::zero()) * self.config.constants.mass)
                 }
                 (Some(tether), Some(position))
-                    if tether.is_taut && situation.estimator.is_airborne() =>
+                    if tether.is_taut && situation.navigation.is_airborne() =>
                 {
                     let towards = position.0 * (-tether.tension / tether.length.max(S::lit(0.3)));
                     estimate.attitude.to_body(World(towards))

@@ -98,8 +98,8 @@ impl<S: Scalar> Vehicle<S> {
         if self.situation.armed_at.is_some() {
             return Err(rejected("Levelling refused: armed"));
         }
-        self.situation.estimator.relevel();
-        self.situation.estimate = self.config.estimator.estimate(&self.situation.estimator);
+        self.situation.navigation.relevel();
+        self.situation.estimate = self.config.navigation.estimate(&self.situation.navigation);
         Ok(())
     }
 }

@@ -168,7 +168,7 @@ impl<S: Scalar> FlightMode<S> for Pendulum<S> {
         else {
             return Err(rejected("Mode refused: no direction of the rod"));
         };
-        if !situation.estimator.is_airborne() {
+        if !situation.navigation.is_airborne() {
             return Err(rejected("Mode refused: not in the air"));
         }
         let x = watch.estimate;

@@ -100,7 +100,7 @@ impl<S: Scalar> Takeoff<S> {
         }
         let situation = cx.situation;
         if let (true, Some(position)) =
-            (situation.estimator.is_airborne(), situation.estimate.position)
+            (situation.navigation.is_airborne(), situation.estimate.position)
             && let Some(target) = target(self.altitude, cx)
         {
             handover.plan = cx.config.planner.takeoff(position, target);

@@ -129,7 +129,7 @@ impl<S: Scalar> Takeoff<S> {
         }
         let dt = S::lit(OUTER_DT);
         hover.time += dt;
-        let accel = cx.situation.estimator.average().accel;
+        let accel = cx.situation.navigation.average().accel;
         let force = estimate.attitude.to_world(accel).0;
         let (sin, cos) = handover.heading.sin_cos();
         let [along, across] = &mut hover.velocity;

@@ -1,0 +1,74 @@
+//! How does the vehicle sit? Nobody knows until it has stood still; from then on the attitude filter does.
+
+use crate::estimate::{LevelState, Leveller, Mahony, MahonyState};
+use crate::frames::{Attitude, Body, V3};
+use crate::math::{so3, wrap_pi};
+use crate::param::Params;
+use crate::scalar::Scalar;
+use crate::signal::Imu;
+
+/// Share of a heading error that a motion-capture sample takes away in the air: 0.5 s at 100 Hz.
+const HEADING_SHARE: f64 = 0.02;
+
+/// Configuration.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Alignment<S: Scalar> {
+    leveller: Leveller<S>,
+    mahony: Mahony<S>,
+}
+
+/// What moves.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct AlignmentState<S: Scalar> {
+    level: LevelState<S>,
+    /// `None` until levelled.
+    pub attitude: Option<MahonyState<S>>,
+}
+
+impl<S: Scalar> Default for AlignmentState<S> {
+    fn default() -> Self {
+        Self { level: LevelState::default(), attitude: None }
+    }
+}
+
+impl<S: Scalar> Alignment<S> {
+    pub fn new(p: &Params, imu_rate_hz: f32) -> Self {
+        Self {
+            leveller: Leveller {
+                samples: (p.levelling_time * imu_rate_hz) as u32,
+                heading: S::from_f32(p.start_heading),
+            },
+            mahony: Mahony { kp: S::from_f32(p.mahony_kp), ki: S::from_f32(p.mahony_ki) },
+        }
+    }
+
+    /// Takes an inertial sample at rest, until there are enough.
+    pub fn level(&self, state: &mut AlignmentState<S>, imu: &Imu<S>) {
+        state.attitude = self.leveller.step(&mut state.level, imu);
+    }
+
+    /// One filter step; on the ground the gyro bias stays as it was levelled.
+    pub fn step(&self, attitude: &mut MahonyState<S>, imu: &Imu<S>, on_ground: bool, dt: S) {
+        let ki = if on_ground { S::zero() } else { self.mahony.ki };
+        // A refused step keeps the attitude; the IMU's own checks raise the fault.
+        let _ = Mahony { ki, ..self.mahony }.step(attitude, &imu.gyro, &imu.accel, dt);
+    }
+
+    /// Turns about the vertical towards a measured heading: at once on the ground, slowly in the air.
+    pub fn turn(&self, state: &mut AlignmentState<S>, heading: S, on_ground: bool) {
+        let share = if on_ground { S::one() } else { S::lit(HEADING_SHARE) };
+        if let Some(attitude) = &mut state.attitude {
+            let (.., yaw) = attitude.attitude.euler();
+            let (sin, cos) = (wrap_pi(heading - yaw) * share).sin_cos();
+            let down = V3::new(S::zero(), S::zero(), S::one());
+            let turned = so3::axis_angle(&down, sin, cos) * attitude.attitude.0;
+            attitude.attitude = Attitude(turned);
+        }
+    }
+
+    /// The attitude; level along the start heading until one is known.
+    pub fn attitude(&self, state: &AlignmentState<S>) -> MahonyState<S> {
+        let level = MahonyState::new(Attitude::level(self.leveller.heading), Body(V3::zeros()));
+        state.attitude.unwrap_or(level)
+    }
+}

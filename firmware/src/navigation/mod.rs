@@ -1,0 +1,245 @@
+//! Where is the vehicle, how does it sit, how hard does the tether pull? A question a file: [`alignment`]
+//! (attitude), [`lift_off`], [`position`] (the filter in the air), [`slackness`], [`divergence`]. Sensors in, an
+//! [`Estimate`] out; the filters themselves stand in [`crate::estimate`].
+
+mod alignment;
+mod decimator;
+mod divergence;
+mod lift_off;
+mod position;
+mod slackness;
+
+use crate::estimate::{ThrustModel, ThrustModelState, VerticalFilter, VerticalState};
+use crate::frames::{Body, V3};
+use crate::math::GRAVITY;
+use crate::math::filter::{Biquad, first_order};
+use crate::param::Params;
+use crate::scalar::Scalar;
+use crate::signal::{Estimate, FilterHealth, Imu, ROTORS, Sensors};
+use crate::time::{Micros, OUTER_DT, Sample};
+use alignment::{Alignment, AlignmentState};
+use decimator::Decimator;
+use lift_off::{LiftOff, LiftOffState};
+use position::{PositionFilter, PositionFilterState, PositionInput};
+
+/// What the vehicle is doing, as far as the filters must know.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Phase {
+    /// On the ground, motors off.
+    Resting,
+    /// Motors turn; perhaps still on the ground.
+    Powered,
+    /// The feet touch after a flight: the ground's push is in no model, so the position stands still.
+    Touching,
+}
+
+/// Configuration.
+#[derive(Clone, Copy, Debug)]
+pub struct Navigation<S: Scalar> {
+    alignment: Alignment<S>,
+    vertical: VerticalFilter<S>,
+    thrust: ThrustModel<S>,
+    lift_off: LiftOff<S>,
+    position: PositionFilter<S>,
+    ground_height: S,
+}
+
+/// What moves.
+#[derive(Clone, Copy, Debug)]
+pub struct NavigationState<S: Scalar> {
+    decimator: Decimator<S>,
+    thrust: ThrustModelState<S>,
+    alignment: AlignmentState<S>,
+    vertical: VerticalState<S>,
+    lift_off: LiftOffState,
+    position: PositionFilterState<S>,
+    now: Micros,
+    altitude_at: Option<Micros>,
+    pending_altitude: Option<S>,
+    pending_length: Option<S>,
+    rate: V3<S>,
+    last_thrust: S,
+    average: Imu<S>,
+}
+
+impl<S: Scalar> Navigation<S> {
+    /// From the parameters and the accelerometer's filter at the IMU's rate.
+    #[inline(never)]
+    #[must_use]
+    pub fn new(p: &Params, accel_filter: Biquad<S>, imu_rate_hz: f32) -> Self {
+        Self {
+            alignment: Alignment::new(p, imu_rate_hz),
+            vertical: VerticalFilter { bandwidth: S::lit(3.0), fade: S::lit(5.0) },
+            thrust: ThrustModel {
+                lag: first_order(p.motor_tau, 1.0 / imu_rate_hz),
+                scale: S::from_f32(p.thrust_scale),
+                filter: accel_filter,
+            },
+            lift_off: LiftOff::new(p),
+            position: PositionFilter::new(p),
+            ground_height: S::from_f32(p.ground_height),
+        }
+    }
+
+    /// Nothing known but the place to start from.
+    #[must_use]
+    pub fn start(&self) -> NavigationState<S> {
+        NavigationState {
+            decimator: Decimator::default(),
+            thrust: ThrustModelState::default(),
+            alignment: AlignmentState::default(),
+            vertical: VerticalState { height: self.ground_height, climb: S::zero() },
+            lift_off: LiftOffState::default(),
+            position: self.position.start(),
+            now: Micros::default(),
+            altitude_at: None,
+            pending_altitude: None,
+            pending_length: None,
+            rate: V3::zeros(),
+            last_thrust: S::zero(),
+            average: Imu { gyro: Body(V3::zeros()), accel: Body(V3::zeros()) },
+        }
+    }
+
+    /// One step with what arrived; true when the 250 Hz part ran.
+    pub fn step(
+        &self,
+        state: &mut NavigationState<S>,
+        sensors: &Sensors<S>,
+        commanded: &[S; ROTORS],
+        phase: Phase,
+    ) -> bool {
+        self.receive(state, sensors);
+        let Some(Sample { at, value: imu }) = sensors.imu else {
+            return false;
+        };
+        state.now = at;
+        let thrust = self.thrust.step(&mut state.thrust, commanded);
+        let Some(attitude) = &state.alignment.attitude else {
+            if phase == Phase::Resting {
+                self.alignment.level(&mut state.alignment, &imu);
+            }
+            return false;
+        };
+        state.rate = imu.gyro.0 - attitude.gyro_bias.0;
+        let Some((mean, thrust)) = state.decimator.add(&imu, thrust) else {
+            return false;
+        };
+        (state.average, state.last_thrust) = (mean, thrust);
+        self.filter(state, sensors, phase);
+        true
+    }
+
+    /// What comes slower than the inertial samples.
+    fn receive(&self, state: &mut NavigationState<S>, sensors: &Sensors<S>) {
+        if let Some(altitude) = sensors.altitude {
+            let dt = state.altitude_at.map_or(0.02, |at| altitude.at.seconds_since(at).min(0.1));
+            self.vertical.correct(&mut state.vertical, altitude.value, S::from_f32(dt));
+            state.altitude_at = Some(altitude.at);
+            state.pending_altitude = Some(altitude.value);
+        }
+        if let Some(length) = sensors.tether_length {
+            state.pending_length = Some(length.value);
+        }
+        if let Some(sample) = &sensors.capture
+            && self.position.receive(&mut state.position, sample)
+            && let Some(heading) = sample.value.heading
+        {
+            let on_ground = !state.position.is_airborne();
+            self.alignment.turn(&mut state.alignment, heading, on_ground);
+        }
+    }
+
+    fn filter(&self, state: &mut NavigationState<S>, sensors: &Sensors<S>, phase: Phase) {
+        let dt = S::lit(OUTER_DT);
+        let on_ground = !state.position.is_airborne();
+        let Some(attitude) = &mut state.alignment.attitude else {
+            return;
+        };
+        let imu = state.average;
+        self.alignment.step(attitude, &imu, on_ground, dt);
+        let attitude = attitude.attitude;
+        let force = attitude.to_world(imu.accel);
+        let accel_up = -(force.0.z + S::lit(GRAVITY));
+        self.vertical.predict(&mut state.vertical, accel_up, dt, sensors.altitude_is_fresh);
+        self.position.predict(&mut state.position, &force);
+        match phase {
+            Phase::Resting => {
+                self.position.rest(&mut state.position);
+                state.lift_off = LiftOffState::default();
+                state.vertical.climb = S::zero();
+            }
+            Phase::Powered if on_ground => {
+                let height = state.vertical.height;
+                if self.lift_off.step(&mut state.lift_off, height, state.last_thrust) {
+                    self.position.lift_off(&mut state.position, height);
+                }
+            }
+            Phase::Powered => {}
+            Phase::Touching => return,
+        }
+        let z = PositionInput {
+            attitude,
+            accel: imu.accel,
+            force,
+            thrust: state.last_thrust,
+            altitude: state.pending_altitude.take(),
+            length: state.pending_length.take(),
+        };
+        self.position.step(&mut state.position, &z);
+    }
+
+    /// Angular rate with the bias removed, as of the last inertial sample.
+    #[must_use]
+    pub fn rate(&self, state: &NavigationState<S>) -> Body<V3<S>> {
+        Body(state.rate)
+    }
+
+    /// Acting over modelled thrust.
+    pub fn set_thrust_scale(&mut self, scale: S) {
+        self.thrust.scale = scale;
+    }
+
+    /// What is known now.
+    #[must_use]
+    pub fn estimate(&self, state: &NavigationState<S>) -> Estimate<S> {
+        let attitude = self.alignment.attitude(&state.alignment);
+        let placeless = Estimate {
+            attitude: attitude.attitude,
+            rate: Body(state.rate),
+            gyro_bias: attitude.gyro_bias,
+            height: state.vertical.height,
+            climb: state.vertical.climb,
+            position: None,
+            velocity: None,
+            tether: None,
+            position_sd: V3::zeros(),
+            thrust: state.last_thrust,
+            health: FilterHealth::default(),
+            is_levelled: state.alignment.attitude.is_some(),
+            has_diverged: false,
+        };
+        self.position.complete(&state.position, placeless, state.now)
+    }
+}
+
+impl<S: Scalar> NavigationState<S> {
+    /// Forgets level and bias, so that they are taken again.
+    pub fn relevel(&mut self) {
+        self.alignment = AlignmentState::default();
+    }
+    /// Moves the vehicle to the place from which the (new) configuration starts.
+    pub fn replace(&mut self, config: &Navigation<S>) {
+        self.position.replace(&config.position);
+    }
+    /// Inertial reading averaged over the last 250 Hz step, gyro bias not removed.
+    #[must_use]
+    pub fn average(&self) -> &Imu<S> {
+        &self.average
+    }
+    /// Whether the vehicle has left the ground.
+    #[must_use]
+    pub fn is_airborne(&self) -> bool {
+        self.position.is_airborne()
+    }
+}
