@@ -218,16 +218,16 @@ fn three_messages_say_the_same_pose() {
         mav::VISION_POSITION_ESTIMATE_DATA { x: 1.0, y: 2.0, z: -3.0, yaw, ..Default::default() };
     let mocap = mav::ATT_POS_MOCAP_DATA { x: 1.0, y: 2.0, z: -3.0, q, ..Default::default() };
     for mut link in [heard(&odometry), heard(&vision), heard(&mocap)] {
-        let sample = link.take_capture().unwrap();
+        let sample = link.take_sensors().capture.unwrap();
         assert_eq!(sample.value.position.map(f32::to_bits), [1.0_f32, 2.0, -3.0].map(f32::to_bits));
         assert!((sample.value.heading.unwrap() - yaw).abs() < 1e-6);
-        assert!(link.take_capture().is_none());
+        assert!(link.take_sensors().capture.is_none());
     }
     let body_frame =
         mav::ODOMETRY_DATA { frame_id: mav::MavFrame::MAV_FRAME_BODY_FRD, ..odometry.clone() };
     let nan = mav::ODOMETRY_DATA { x: f32::NAN, ..odometry };
     for mut link in [heard(&body_frame), heard(&nan)] {
-        assert!(link.take_capture().is_none());
+        assert!(link.take_sensors().capture.is_none());
         assert_eq!(link.counters().refused, 1);
     }
 }
@@ -244,11 +244,11 @@ fn only_a_vector_named_rod_is_a_rod() {
         })
     };
     assert_eq!(
-        rod("rod", 0.1).take_rod().unwrap().value.map(f32::to_bits),
+        rod("rod", 0.1).take_sensors().rod.unwrap().value.map(f32::to_bits),
         [0.1_f32, 0.0, -1.0].map(f32::to_bits)
     );
-    assert!(rod("rods", 0.1).take_rod().is_none());
-    assert!(rod("", 0.1).take_rod().is_none());
+    assert!(rod("rods", 0.1).take_sensors().rod.is_none());
+    assert!(rod("", 0.1).take_sensors().rod.is_none());
     let mut bad = rod("rod", f32::NAN);
-    assert!(bad.take_rod().is_none() && bad.counters().refused == 1);
+    assert!(bad.take_sensors().rod.is_none() && bad.counters().refused == 1);
 }

@@ -7,7 +7,6 @@ use tautline_firmware::estimate::{Ekf4, Ekf4Measurement, Ekf4State, Fault, Mahon
 use tautline_firmware::frames::{Attitude, Body, V3, World};
 use tautline_firmware::math::so3;
 use tautline_firmware::param::Params;
-use tautline_firmware::sense::Mounting;
 use tautline_firmware::signal::SphericalPoint;
 use tautline_sitl::plant::{Generator, Plant, PlantModel, generator, uniform};
 use tautline_sitl::scenario::{Scenario, TetherKind};
@@ -223,12 +222,4 @@ fn hover_gives_weight_and_an_error_gives_a_command_towards_the_reference() {
     let east = PositionInput { direction: World(at(0.2).0 / 10.0), ..hold };
     let moved = controller.step(&mut PositionState::default(), &east, 0.004).force.0;
     assert!(moved.y > force.y + 1.0);
-}
-
-#[test]
-fn every_mounting_parameter_has_a_rotation() {
-    for code in 0..5_u8 {
-        let body = Mounting::from_parameter(f32::from(code)).to_body([1, 2, 3]);
-        assert_eq!(body.iter().map(|x| x * x).sum::<i32>(), 14);
-    }
 }

@@ -18,11 +18,8 @@ pub struct Inbox {
 
 impl Inbox {
     /// What the slow devices have; what is `None` leaves what is there.
-    pub fn put(&mut self, new: &RawSensors) {
-        let here = &mut self.sensors;
-        here.barometer = new.barometer.or(here.barometer);
-        here.range = new.range.or(here.range);
-        here.battery = new.battery.or(here.battery);
+    pub fn put(&mut self, new: RawSensors) {
+        self.sensors.merge(new);
     }
 
     /// What a connection heard. A request that finds no room waits in the connection's own queue.
@@ -32,15 +29,7 @@ impl Inbox {
         if let Some(sticks) = link.sticks().filter(newest) {
             self.sticks = Some(sticks);
         }
-        if let Some(capture) = link.take_capture() {
-            self.sensors.capture = Some(capture);
-        }
-        if let Some(rod) = link.take_rod() {
-            self.sensors.rod = Some(rod);
-        }
-        if let Some(winch) = link.take_winch() {
-            self.sensors.tether = Some(winch);
-        }
+        self.sensors.merge(link.take_sensors());
         while !self.requests.is_full() {
             let Some(request) = link.next_request() else { break };
             let _ = self.requests.push_back(request);

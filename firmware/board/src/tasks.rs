@@ -129,7 +129,7 @@ where
 {
     let mut sensors = RawSensors::default();
     devices.poll(now, &mut sensors);
-    inbox.lock(|inbox| inbox.put(&sensors));
+    inbox.lock(|inbox| inbox.put(sensors));
     if is_armed {
         return Ok(());
     }

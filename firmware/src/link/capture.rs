@@ -58,7 +58,7 @@ impl Link {
         if position.iter().any(|x| !x.is_finite()) {
             return self.refuse();
         }
-        self.capture = Some(Sample { at: now, value: RawCapture { position, heading } });
+        self.sensors.capture = Some(Sample { at: now, value: RawCapture { position, heading } });
     }
 
     pub(super) fn named_vector(&mut self, now: Micros, frame: &Frame) {
@@ -75,7 +75,7 @@ impl Link {
         if value.iter().any(|x| !x.is_finite()) {
             return self.refuse();
         }
-        self.rod = Some(Sample { at: now, value });
+        self.sensors.rod = Some(Sample { at: now, value });
     }
 
     pub(super) fn winch_status(&mut self, now: Micros, frame: &Frame) {
@@ -83,6 +83,7 @@ impl Link {
         if !(0.0..1e9).contains(&millimetres) {
             return self.refuse();
         }
-        self.winch = Some(Sample { at: now, value: RawTether { length_mm: millimetres as i32 } });
+        self.sensors.tether =
+            Some(Sample { at: now, value: RawTether { length_mm: millimetres as i32 } });
     }
 }

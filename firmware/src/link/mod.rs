@@ -20,7 +20,8 @@ mod telemetry;
 pub use frame::{Frame, MAX_FRAME, Parser};
 
 use crate::param::Params;
-use crate::signal::{Event, Outcome, RawCapture, RawTether, Reply, Request, Sticks};
+use crate::sense::RawSensors;
+use crate::signal::{Event, Outcome, Reply, Request, Sticks};
 use crate::time::{Micros, Sample};
 use crate::vehicle::StepOutput;
 use heapless::Deque;
@@ -68,9 +69,8 @@ pub struct Link {
     counters: LinkCounters,
     heartbeat_at: Option<Micros>,
     sticks: Option<Sample<Sticks>>,
-    capture: Option<Sample<RawCapture>>,
-    rod: Option<Sample<[f32; 3]>>,
-    winch: Option<Sample<RawTether>>,
+    /// Measured by others and told over MAVLink.
+    sensors: RawSensors,
     requests: Deque<Request, 8>,
     events: Deque<Event, 16>,
     streams: Streams,
@@ -99,9 +99,7 @@ impl Link {
             counters: LinkCounters::default(),
             heartbeat_at: None,
             sticks: None,
-            capture: None,
-            rod: None,
-            winch: None,
+            sensors: RawSensors::default(),
             requests: Deque::new(),
             events: Deque::new(),
             streams: Streams::default(),
@@ -151,19 +149,9 @@ impl Link {
         self.sticks
     }
 
-    /// The newest motion-capture pose, once.
-    pub fn take_capture(&mut self) -> Option<Sample<RawCapture>> {
-        self.capture.take()
-    }
-
-    /// The newest direction of a rod on top, once.
-    pub fn take_rod(&mut self) -> Option<Sample<[f32; 3]>> {
-        self.rod.take()
-    }
-
-    /// The newest length that a winch told by WINCH_STATUS, once.
-    pub fn take_winch(&mut self) -> Option<Sample<RawTether>> {
-        self.winch.take()
+    /// What others measured and told, once.
+    pub fn take_sensors(&mut self) -> RawSensors {
+        core::mem::take(&mut self.sensors)
     }
 
     /// What was heard and dropped.

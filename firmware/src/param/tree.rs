@@ -40,8 +40,8 @@ params! {
         output_protocol: "MOT_PROTO" Int [""] = 0.0 in 0.0 ..= 1.0;
     }
     Sensors "Sensors" {
-        /// Sensor board axes to body axes: 0 = (x,y,z), 1 = (y,x,-z) SpeedyBee F405 V4, 2 = (-y,x,z) Matek F405-TE, 3 = (-x,-y,z) and 4 = (y,-x,z) Matek H743-SLIM.
-        board_rotation: "SENS_BOARD_ROT" Int [""] = 1.0 in 0.0 ..= 4.0;
+        /// Orientation of the inertial sensor, as MAVLink and PX4 number them; right angles only, or the vehicle does not arm.
+        board_rotation: "SENS_BOARD_ROT" Int [""] = 10.0 in 0.0 ..= 40.0;
         /// Accelerometer offset, nose axis.
         accel_bias_x: "CAL_ACC_XOFF" Real ["m/s^2"] = 0.0 in -3.0 ..= 3.0;
         /// Accelerometer offset, right-hand axis.

@@ -54,10 +54,27 @@ pub struct RawSensors {
     pub rod: Option<Sample<[f32; 3]>>,
 }
 
+impl RawSensors {
+    /// Takes what is newer. Every field by name: one that is forgotten here does not compile.
+    pub fn merge(&mut self, newer: Self) {
+        let Self { imu, barometer, range, battery, tether, capture, rod } = newer;
+        *self = Self {
+            imu: imu.or(self.imu),
+            barometer: barometer.or(self.barometer),
+            range: range.or(self.range),
+            battery: battery.or(self.battery),
+            tether: tether.or(self.tether),
+            capture: capture.or(self.capture),
+            rod: rod.or(self.rod),
+        };
+    }
+}
+
 /// Configuration of the stage.
 #[derive(Clone, Copy, Debug)]
 pub struct Sense<S: Scalar> {
     mounting: Mounting,
+    mounting_is_known: bool,
     calibration: Calibration<S>,
     accel_filter: Biquad<S>,
     gyro_filter: Biquad<S>,
@@ -102,8 +119,10 @@ impl<S: Scalar> Sense<S> {
     #[must_use]
     #[inline(never)]
     pub fn new(params: &Params, scale: ImuScale) -> Self {
+        let mounting = Mounting::from_parameter(params.board_rotation);
         Self {
-            mounting: Mounting::from_parameter(params.board_rotation),
+            mounting: mounting.unwrap_or(Mounting::ALIGNED),
+            mounting_is_known: mounting.is_some(),
             calibration: Calibration::new(params, scale),
             accel_filter: Biquad::low_pass(params.accel_cutoff, scale.rate_hz),
             gyro_filter: Biquad::low_pass(params.gyro_cutoff, scale.rate_hz),
@@ -156,6 +175,12 @@ impl<S: Scalar> Sense<S> {
             tether_is_fresh: state.tether_at.is_some_and(|at| now.since(at) < TETHER_TIMEOUT_US),
             imu_temperature: state.temperature,
         }
+    }
+
+    /// Whether the parameters say how the inertial sensor sits.
+    #[must_use]
+    pub fn mounting_is_known(&self) -> bool {
+        self.mounting_is_known
     }
 
     fn convert(&self, state: &mut SenseState<S>, raw: &RawImu) -> Imu<S> {

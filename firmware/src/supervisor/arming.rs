@@ -7,6 +7,8 @@ use crate::signal::ImuHealth;
 pub struct ArmingFacts {
     /// State of the inertial sensor.
     pub imu: ImuHealth,
+    /// The inertial sensor sits in a known way.
+    pub mounting_is_known: bool,
     /// Level and gyro bias were taken.
     pub is_levelled: bool,
     /// Cosine of the tilt.
@@ -41,7 +43,7 @@ pub struct ArmingCheck {
 }
 
 /// All checks, in the order in which they are reported.
-pub const ARMING_CHECKS: [ArmingCheck; 12] = [
+pub const ARMING_CHECKS: [ArmingCheck; 13] = [
     ArmingCheck {
         name: "imu present",
         text: "Arming denied: IMU: no data",
@@ -65,6 +67,12 @@ pub const ARMING_CHECKS: [ArmingCheck; 12] = [
         text: "Arming denied: IMU: data out of range",
         may_be_forced: false,
         passes: |f| f.imu != ImuHealth::OutOfRange,
+    },
+    ArmingCheck {
+        name: "imu mounting",
+        text: "Arming denied: SENS_BOARD_ROT not a right angle",
+        may_be_forced: false,
+        passes: |f| f.mounting_is_known,
     },
     ArmingCheck {
         name: "levelled",
@@ -134,6 +142,7 @@ mod tests {
     fn good() -> ArmingFacts {
         ArmingFacts {
             imu: ImuHealth::Good,
+            mounting_is_known: true,
             is_levelled: true,
             cos_tilt: 1.0,
             altitude_is_fresh: true,
@@ -154,6 +163,7 @@ mod tests {
             ArmingFacts { imu: ImuHealth::Stale, ..good() },
             ArmingFacts { imu: ImuHealth::Frozen, ..good() },
             ArmingFacts { imu: ImuHealth::OutOfRange, ..good() },
+            ArmingFacts { mounting_is_known: false, ..good() },
             ArmingFacts { is_levelled: false, ..good() },
             ArmingFacts { cos_tilt: 0.5, ..good() },
             ArmingFacts { altitude_is_fresh: false, ..good() },

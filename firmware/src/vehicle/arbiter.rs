@@ -29,6 +29,7 @@ impl<S: Scalar> Vehicle<S> {
         let weight = p.mass * crate::math::GRAVITY as f32;
         ArmingFacts {
             imu: cx.sensors.imu_health,
+            mounting_is_known: self.config.sense.mounting_is_known(),
             is_levelled: estimate.is_levelled,
             cos_tilt: estimate.attitude.cos_tilt().to_f32(),
             altitude_is_fresh: cx.sensors.altitude_is_fresh,

@@ -51,7 +51,7 @@ impl Environment {
             sensors: SensorSuite::new(&scenario.sensors, clock.clone(), seed),
             faults: Faults::new(&scenario.fault),
             capture: has_capture.then(|| MotionCapture::new(scenario.capture.clone(), seed)),
-            mounting: Mounting::from_parameter(params.board_rotation),
+            mounting: Mounting::from_parameter(params.board_rotation).unwrap_or(Mounting::ALIGNED),
             reaction: scenario.rod.reaction,
             balancing_since: None,
             started_us: 0,

@@ -5,7 +5,6 @@ use crate::scenario::{Scenario, ScenarioError, Source};
 use tautline_board::flight::protocol;
 use tautline_firmware::link::Link;
 use tautline_firmware::param::Params;
-use tautline_firmware::sense::RawSensors;
 use tautline_firmware::time::Micros;
 use tautline_firmware::vehicle::{StepInput, StepOutput};
 use tautline_hal_shim::fake::FakeEsc;
@@ -70,11 +69,8 @@ impl World {
         let link = &mut self.link;
         self.environment
             .publish_capture(&mut |frame| link.receive_datagram(now, frame, params, send));
-        let sensors = RawSensors {
-            capture: self.link.take_capture(),
-            rod: self.link.take_rod(),
-            ..self.environment.read()
-        };
+        let mut sensors = self.link.take_sensors();
+        sensors.merge(self.environment.read());
         let input = StepInput {
             now,
             sensors,

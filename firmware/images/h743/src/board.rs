@@ -1,7 +1,7 @@
 //! Matek H743-SLIM V3: which pin is what, and the start of everything.
 //!
 //! Pins as ArduPilot's, Betaflight's and PX4's board files give them. The first inertial sensor's axes are parameters'
-//! business: body = (-x, -y, z) of the chip, SENS_BOARD_ROT = 3. The second sensor is not read.
+//! business: body = (-x, -y, z) of the chip, SENS_BOARD_ROT = 4. The second sensor is not read.
 
 use crate::battery::{self, CurrentPin, VoltagePin};
 use crate::card::SdCard;
@@ -194,7 +194,7 @@ pub fn start(mut core: cortex_m::Peripherals, memory: &'static mut Memory) -> Bo
 /// The board's own defaults.
 pub fn defaults() -> Params {
     Params {
-        board_rotation: 3.0,
+        board_rotation: 4.0,
         battery_divider: 11.0,
         battery_amps_per_volt: 40.0,
         ..Params::default()

@@ -1,7 +1,7 @@
 //! SpeedyBee F405 V4: which pin is what.
 //!
 //! Pins as ArduPilot's and Betaflight's board files give them. The inertial sensor's axes are parameters' business:
-//! body = (y, x, -z) of the chip, SENS_BOARD_ROT = 1.
+//! body = (y, x, -z) of the chip, SENS_BOARD_ROT = 10, the default.
 
 use super::wiring::{Battery, Wired, chip_select, fast};
 use stm32f4xx_hal::adc::{Adc, config::AdcConfig};
