@@ -46,7 +46,7 @@ pub struct TautPoint {
 fn point(reference: PlanarReference<f32>) -> TautPoint {
     let ([elevation, rate, ..], [second, slope, _]) = (reference.elevation, reference.second);
     let is_small = |x: f32| x.abs() < REST;
-    TautPoint { elevation: elevation, second: second, rests: is_small(rate) && is_small(slope) }
+    TautPoint { elevation, second, rests: is_small(rate) && is_small(slope) }
 }
 
 impl Status {
