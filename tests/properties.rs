@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "tests")]
 
-use tautline_firmware::control::{Link, PositionInput, PositionLoop, PositionState};
+use tautline_firmware::control::{PositionInput, PositionLoop, PositionState, RadialControl};
 use tautline_firmware::estimate::{Ekf4, Ekf4Measurement, Ekf4State, Fault, Mahony, MahonyState};
 use tautline_firmware::frames::{Attitude, Body, V3, World};
 use tautline_firmware::math::so3;
@@ -185,7 +185,7 @@ fn the_force_never_exceeds_thrust_or_tilt() {
             length: 10.0,
             length_rate: uniform(&mut rng),
             tension: 10.0 * uniform(&mut rng),
-            link: if i % 2 == 0 { Link::Winch } else { Link::FixedLength },
+            link: if i % 2 == 0 { RadialControl::Winch } else { RadialControl::FixedLength },
             hold_integral: false,
         };
         let force = controller.step(&mut PositionState::default(), &input, 0.004).force.0;
@@ -211,7 +211,7 @@ fn hover_gives_weight_and_an_error_gives_a_command_towards_the_reference() {
         length: 10.0,
         length_rate: 0.0,
         tension: 5.0,
-        link: Link::Winch,
+        radial_control: RadialControl::Winch,
         hold_integral: false,
     };
     let force = controller.step(&mut PositionState::default(), &hold, 0.004).force.0;

@@ -1,7 +1,9 @@
 //! Parameters → configuration of every block; no state in it. Where a parameter changes, what depends on its group is
 //! made anew, a [`Part`] at a time. Constructors are not inlined: they stand in the image once, for both ways.
 
-use crate::control::{AttitudeLoop, ClimbLoop, Link, Mixer, PositionLoop, RateLoop, ThrustMap};
+use crate::control::{
+    AttitudeLoop, ClimbLoop, Mixer, PositionLoop, RadialControl, RateLoop, ThrustMap,
+};
 use crate::math::GRAVITY;
 use crate::mode::ModeConfig;
 use crate::model::LinkKind;
@@ -33,7 +35,7 @@ pub(crate) struct Config<S: Scalar> {
 /// Single numbers that many ask for.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Constants<S: Scalar> {
-    pub link: Link,
+    pub radial_control: RadialControl,
     pub kind: LinkKind,
     pub mass: S,
     pub weight: S,
@@ -150,10 +152,10 @@ impl<S: Scalar> Constants<S> {
         let f = S::from_f32;
         let kind = LinkKind::from_parameter(p.tether_kind);
         Self {
-            link: match kind {
-                LinkKind::Winch => Link::Winch,
-                LinkKind::Free => Link::Free,
-                _ => Link::FixedLength,
+            radial_control: match kind {
+                LinkKind::Winch => RadialControl::Winch,
+                LinkKind::Free => RadialControl::Free,
+                _ => RadialControl::FixedLength,
             },
             kind,
             mass: f(p.mass),

@@ -3,8 +3,8 @@
 use super::{Check, cases, list, num, rotation, s, vec3};
 use serde_json::Value;
 use tautline_firmware::control::{
-    AttitudeLoop, Link, Mixer, PositionInput, PositionLoop, PositionState, Priority, RateLoop,
-    RateSetpoint, RateState,
+    AttitudeLoop, Mixer, PositionInput, PositionLoop, PositionState, Priority, RadialControl,
+    RateLoop, RateSetpoint, RateState,
 };
 use tautline_firmware::estimate::{Ekf4, Ekf4Measurement, Ekf4State, Mahony, MahonyState};
 use tautline_firmware::frames::{Body, M3, V3, World};
@@ -106,7 +106,11 @@ pub fn check_outer<S: Scalar + Into<f64>>(file: &Value, bound: f64) {
             length: s(c, "lref"),
             length_rate: s(c, "ldref"),
             tension: if is_winch { s(c, "fc") } else { s(c, "fref") },
-            link: if is_winch { Link::Winch } else { Link::FixedLength },
+            radial_control: if is_winch {
+                RadialControl::Winch
+            } else {
+                RadialControl::FixedLength
+            },
             hold_integral: false,
         };
         let out = controller.step(&mut state, &input, s(c, "dt"));

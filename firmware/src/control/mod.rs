@@ -16,7 +16,7 @@ mod vertical;
 
 pub use attitude::{AttitudeCommand, AttitudeLoop};
 pub use mixer::{Mixer, Priority};
-pub use position::{Link, PositionInput, PositionLoop, PositionOutput, PositionState};
+pub use position::{PositionInput, PositionLoop, PositionOutput, PositionState, RadialControl};
 pub use rate::{RateLoop, RateSetpoint, RateState};
 pub use tether_angle::{TetherAngleCommand, TetherAngleLoop, attachment_compensation};
 pub use thrust_map::ThrustMap;

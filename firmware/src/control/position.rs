@@ -49,7 +49,7 @@ pub struct PositionLoop<S> {
 
 /// How the ground end behaves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Link {
+pub enum RadialControl {
     /// The length is given; the radial force is the tension set-point.
     FixedLength,
     /// The winch pulls; the length is controlled.
@@ -93,7 +93,7 @@ pub struct PositionInput<S: Scalar> {
     /// Tension to feed forward, N.
     pub tension: S,
     /// Ground end.
-    pub link: Link,
+    pub radial_control: RadialControl,
     /// Nothing may be integrated: the thrust or the tilt was cut last time.
     pub hold_integral: bool,
 }
@@ -140,7 +140,7 @@ impl<S: Scalar> PositionLoop<S> {
         z: &PositionInput<S>,
         dt: S,
     ) -> PositionOutput<S> {
-        if z.link == Link::Free {
+        if z.radial_control == RadialControl::Free {
             return self.free(state, z, dt);
         }
         let m = self.mass;
@@ -172,8 +172,8 @@ impl<S: Scalar> PositionLoop<S> {
         let mut force = (asked - wind * self.wind_feed_forward - u * centripetal) * m;
         force.z -= m * g + self.line_density * length * g * S::lit(0.5);
         let mut is_guarded = false;
-        match z.link {
-            Link::FixedLength => {
+        match z.radial_control {
+            RadialControl::FixedLength => {
                 force += u * z.tension;
                 let pull = so3::dot(&force, &u) + m * (u.z * g + so3::dot(&wind, &u) + centripetal);
                 let kept = pull.limit(self.tension_min, self.tension_max);
@@ -182,7 +182,7 @@ impl<S: Scalar> PositionLoop<S> {
                 let overspeed = (radial_speed - z.length_rate.max(S::lit(0.2))).max(S::zero());
                 force -= u * (m * self.brake * overspeed);
             }
-            Link::Winch | Link::Free => {
+            RadialControl::Winch | RadialControl::Free => {
                 let accel = self.radial_p * (z.length - length)
                     + self.radial_d * (z.length_rate - radial_speed);
                 force += u * (z.tension + m * accel.limit_abs(self.accel_max));

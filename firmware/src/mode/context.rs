@@ -4,7 +4,7 @@ use super::Handover;
 use super::pendulum::RodWatch;
 use super::setpoints::Setpoints;
 use crate::config::Config;
-use crate::control::{AttitudeCommand, Link};
+use crate::control::{AttitudeCommand, RadialControl};
 use crate::estimate::taut::TautEstimatorState;
 use crate::frames::{Body, V3, World};
 use crate::navigation::NavigationState;
@@ -116,14 +116,16 @@ impl<S: Scalar> Context<'_, S> {
     pub(super) fn tension(&self, handover: &Handover<S>, is_far_out: bool, fixed: FixedPull) -> S {
         let now = self.situation.setpoints.tension;
         let is_slack = || self.situation.estimate.tether.is_none_or(|t| !t.is_taut);
-        let target = match self.config.constants.link {
-            Link::Free => return S::zero(),
-            Link::FixedLength if fixed == FixedPull::FloorNow || is_slack() => {
+        let target = match self.config.constants.radial_control {
+            RadialControl::Free => return S::zero(),
+            RadialControl::FixedLength if fixed == FixedPull::FloorNow || is_slack() => {
                 return self.config.constants.tension_floor;
             }
-            Link::FixedLength if fixed == FixedPull::Floor => self.config.constants.tension_floor,
-            Link::Winch if !is_far_out => self.config.constants.tension_low,
-            Link::FixedLength | Link::Winch => handover.tension,
+            RadialControl::FixedLength if fixed == FixedPull::Floor => {
+                self.config.constants.tension_floor
+            }
+            RadialControl::Winch if !is_far_out => self.config.constants.tension_low,
+            RadialControl::FixedLength | RadialControl::Winch => handover.tension,
         };
         let dt = S::lit(OUTER_DT);
         now + (target - now).limit(-S::lit(TENSION_FALL) * dt, S::lit(TENSION_RISE) * dt)

@@ -3,7 +3,7 @@
 use super::descent::{descend, fly_level};
 use super::refusal::{check_heading, denied, rejected};
 use super::{Context, Handover, Refusal, Setpoints};
-use crate::control::{Link, PositionInput};
+use crate::control::{PositionInput, RadialControl};
 use crate::frames::{V3, World};
 use crate::math::so3;
 use crate::scalar::Scalar;
@@ -44,9 +44,9 @@ pub(super) fn fly<S: Scalar>(
     let situation = cx.situation;
     let Some(smoothed) = situation.smoothed else {
         // The failsafe table ends it: at once on a tether, after a while without motion capture.
-        return match cx.config.constants.link {
-            Link::Free => fly_level(handover, S::zero(), tension, cx),
-            Link::Winch | Link::FixedLength => descend(handover, tension, cx),
+        return match cx.config.constants.radial_control {
+            RadialControl::Free => fly_level(handover, S::zero(), tension, cx),
+            RadialControl::Winch | RadialControl::FixedLength => descend(handover, tension, cx),
         };
     };
     let dt = S::lit(OUTER_DT);
@@ -63,27 +63,27 @@ pub(super) fn fly<S: Scalar>(
         length,
         length_rate: so3::dot(&direction.0, &velocity.0),
         tension,
-        link: cx.config.constants.link,
+        radial_control: cx.config.constants.radial_control,
         hold_integral: mixer.thrust_is_saturated || mixer.tilt_is_saturated,
     };
     let is_taut = || situation.estimate.tether.is_none_or(|t| t.is_taut);
-    match cx.config.constants.link {
-        Link::Winch => {
+    match cx.config.constants.radial_control {
+        RadialControl::Winch => {
             input.tension = (tension + smoothed.tension.max(S::zero())) * S::lit(0.5);
         }
-        Link::FixedLength if !is_taut() => {
+        RadialControl::FixedLength if !is_taut() => {
             // Slack: out gently; far inside the sphere by position alone.
             let distance = so3::norm(&smoothed.position.0);
             if distance >= cx.config.constants.tether_length * S::lit(NEARLY_TAUT) {
                 input.length_rate = S::lit(SEEK_NEAR);
             } else {
-                input.link = Link::Winch;
+                input.radial_control = RadialControl::Winch;
                 input.tension = S::zero();
                 input.length = distance;
                 input.length_rate = S::lit(SEEK_FAR);
             }
         }
-        Link::FixedLength | Link::Free => {}
+        RadialControl::FixedLength | RadialControl::Free => {}
     }
     let asked = cx.config.position.step(&mut handover.position, &input, dt);
     let attitude = cx.thrust(asked.force.0, handover.heading);
@@ -158,7 +158,7 @@ fn go_to<S: Scalar>(
         let to =
             World(V3::new(north.unwrap_or(here.x), east.unwrap_or(here.y), down.unwrap_or(here.z)));
         let mut to = SphericalPoint::from_world(&to);
-        if cx.config.constants.link == Link::FixedLength {
+        if cx.config.constants.radial_control == RadialControl::FixedLength {
             to.length = cx.params.tether_length;
         }
         go(handover, &to, cx)?;
@@ -179,7 +179,7 @@ fn go<S: Scalar>(
     if !(to.elevation.is_finite() && to.length.is_finite() && to.azimuth.abs() < 100.0) {
         return Err(denied("Move refused: not a number"));
     }
-    let is_free = cx.config.constants.link == Link::Free;
+    let is_free = cx.config.constants.radial_control == RadialControl::Free;
     let (low, high) = (p.elevation_min - 0.01, p.elevation_max + 0.01);
     if !is_free && !within(to.elevation, low, high) {
         return Err(denied("Move refused: elevation out of range"));
@@ -188,7 +188,7 @@ fn go<S: Scalar>(
     if !within(to.length, nearest, p.length_max) {
         return Err(denied("Move refused: length out of range"));
     }
-    let is_fixed = cx.config.constants.link == Link::FixedLength;
+    let is_fixed = cx.config.constants.radial_control == RadialControl::FixedLength;
     if is_fixed && (to.length - p.tether_length).abs() > LENGTH_TOLERANCE {
         return Err(denied("Move refused: the tether has a fixed length"));
     }

@@ -1,7 +1,7 @@
 //! Who may change the mode or stop the motors: requests, and the failsafe table. Nothing else does.
 
 use super::{Moment, Vehicle, context};
-use crate::control::Link;
+use crate::control::RadialControl;
 use crate::mode::{Context, Entry, Exit, Refusal, denied, rejected};
 use crate::scalar::Scalar;
 use crate::signal::{Action, Event, EventQueue, Sensors};
@@ -25,7 +25,11 @@ impl<S: Scalar> Vehicle<S> {
     fn arming_facts(&self, cx: &Context<'_, S>) -> ArmingFacts {
         let (estimate, p) = (&cx.situation.estimate, &self.params);
         let is_open = || cx.fresh_sticks().is_none_or(|s| s.throttle > CLOSED_THROTTLE);
-        let pull = if self.config.constants.link == Link::Free { 0.0 } else { p.tension };
+        let pull = if self.config.constants.radial_control == RadialControl::Free {
+            0.0
+        } else {
+            p.tension
+        };
         let weight = p.mass * crate::math::GRAVITY as f32;
         ArmingFacts {
             imu: cx.sensors.imu_health,
@@ -55,7 +59,7 @@ impl<S: Scalar> Vehicle<S> {
     }
 
     fn tether_is_known(&self, sensors: &Sensors<S>) -> bool {
-        sensors.tether_is_fresh || self.config.constants.link != Link::Winch
+        sensors.tether_is_fresh || self.config.constants.radial_control != RadialControl::Winch
     }
 
     fn failsafe_facts(&self, cx: &Context<'_, S>) -> FailsafeFacts {
@@ -221,7 +225,7 @@ impl<S: Scalar> Vehicle<S> {
         if self.mode.mode().lands() {
             self.mode.rest(&cx);
         }
-        if self.config.constants.link == Link::Free {
+        if self.config.constants.radial_control == RadialControl::Free {
             // Nothing points anywhere: as it was put down.
             let (.., yaw) = cx.situation.estimate.attitude.euler();
             self.mode.handover_mut().heading = yaw;

@@ -1,7 +1,7 @@
 //! The outer loop, 250 times a second: the mode's set-points, and coming to stand on the ground.
 
 use super::{Moment, Vehicle, context};
-use crate::control::{AttitudeCommand, Link, PositionState};
+use crate::control::{AttitudeCommand, PositionState, RadialControl};
 use crate::frames::{V3, World};
 use crate::mode::{Notice, Smoothed};
 use crate::param::Params;
@@ -69,7 +69,7 @@ impl<S: Scalar> Vehicle<S> {
         let k = S::lit(SMOOTHING);
         let tension = estimate.tether.map_or(S::zero(), |tether| tether.tension);
         // Motion capture is quiet enough as it is.
-        let is_noisy = self.config.constants.link != Link::Free;
+        let is_noisy = self.config.constants.radial_control != RadialControl::Free;
         match &mut situation.smoothed {
             Some(s) if is_noisy && situation.navigation.is_airborne() => {
                 s.position.0 += (position.0 - s.position.0) * k;

@@ -8,7 +8,7 @@ use super::context::FixedPull;
 use super::{
     Context, Entry, Exit, FlightMode, Handover, Notice, Refusal, Setpoints, denied, plan, rejected,
 };
-use crate::control::{Link, PositionState};
+use crate::control::{PositionState, RadialControl};
 use crate::frames::{V3, World};
 use crate::scalar::Scalar;
 use crate::signal::SphericalPoint;
@@ -123,7 +123,7 @@ impl<S: Scalar> Takeoff<S> {
 /// Where a take-off to this altitude ends: straight out along the start heading; free straight up.
 fn target<S: Scalar>(altitude: f32, cx: &Context<'_, S>) -> Option<SphericalPoint<S>> {
     let p = cx.params;
-    if cx.config.constants.link == Link::Free {
+    if cx.config.constants.radial_control == RadialControl::Free {
         let here = cx.situation.estimate.position?.0;
         let reaches = altitude > p.ground_height && altitude < p.length_max;
         let above = World(V3::new(here.x, here.y, -S::from_f32(altitude)));
