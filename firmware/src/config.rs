@@ -6,7 +6,7 @@ use crate::control::{
 };
 use crate::math::GRAVITY;
 use crate::mode::ModeConfig;
-use crate::model::LinkKind;
+use crate::model::TetherKind;
 use crate::navigation::Navigation;
 use crate::param::{Group, Params};
 use crate::scalar::Scalar;
@@ -36,7 +36,7 @@ pub(crate) struct Config<S: Scalar> {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Constants<S: Scalar> {
     pub radial_control: RadialControl,
-    pub kind: LinkKind,
+    pub kind: TetherKind,
     pub mass: S,
     pub weight: S,
     pub thrust_scale: S,
@@ -150,11 +150,11 @@ impl<S: Scalar> Constants<S> {
     #[inline(never)]
     fn new(p: &Params) -> Self {
         let f = S::from_f32;
-        let kind = LinkKind::from_parameter(p.tether_kind);
+        let kind = TetherKind::from_parameter(p.tether_kind);
         Self {
             radial_control: match kind {
-                LinkKind::Winch => RadialControl::Winch,
-                LinkKind::Free => RadialControl::Free,
+                TetherKind::Winch => RadialControl::Winch,
+                TetherKind::Free => RadialControl::Free,
                 _ => RadialControl::FixedLength,
             },
             kind,

@@ -33,7 +33,7 @@ pub(crate) use setpoints::{Exit, Notice, Setpoints};
 pub(crate) use taut::OutOfPlane;
 
 use crate::estimate::tether_angle::TetherAngleEstimate;
-use crate::model::LinkKind;
+use crate::model::TetherKind;
 use crate::param::Params;
 use crate::scalar::Scalar;
 use crate::signal::{Action, LoadReference, PlanarReference, TautPurpose};
@@ -60,13 +60,13 @@ impl<S: Scalar> ModeConfig<S> {
 
     #[inline(never)]
     pub fn slack_hover(p: &Params) -> Option<takeoff::SlackHoverPlan<S>> {
-        let kind = LinkKind::from_parameter(p.tether_kind);
-        takeoff::SlackHoverPlan::new(p, kind == LinkKind::Cable)
+        let kind = TetherKind::from_parameter(p.tether_kind);
+        takeoff::SlackHoverPlan::new(p, kind == TetherKind::Cable)
     }
 
     #[inline(never)]
     pub fn taut(p: &Params) -> Option<taut::TautConfig<S>> {
-        let is_free = LinkKind::from_parameter(p.tether_kind).is_free();
+        let is_free = TetherKind::from_parameter(p.tether_kind).is_free();
         taut::TautConfig::new(p).filter(|_| !is_free)
     }
 

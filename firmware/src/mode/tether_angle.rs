@@ -17,7 +17,7 @@ use crate::estimate::tether_angle::{
 };
 use crate::frames::{Body, V3};
 use crate::math::wrap_pi;
-use crate::model::LinkKind;
+use crate::model::TetherKind;
 use crate::param::Params;
 use crate::scalar::Scalar;
 use crate::signal::{Action, FlightReference};
@@ -58,7 +58,7 @@ pub(super) struct TetherAngle<S: Scalar> {
 impl<S: Scalar> AngleConfig<S> {
     /// From the parameters; `None` without a cable of fixed length.
     pub fn new(p: &Params) -> Option<Self> {
-        if LinkKind::from_parameter(p.tether_kind) != LinkKind::Cable {
+        if TetherKind::from_parameter(p.tether_kind) != TetherKind::Cable {
             return None;
         }
         let f = S::from_f32;

@@ -6,7 +6,7 @@ use crate::estimate::capture::{CaptureFilter, CaptureState};
 use crate::estimate::{Ekf4, Ekf4Measurement, Ekf4State, VelocityFilter, VelocityState};
 use crate::frames::{Attitude, Body, V3, World};
 use crate::math::so3;
-use crate::model::LinkKind;
+use crate::model::TetherKind;
 use crate::param::Params;
 use crate::scalar::Scalar;
 use crate::signal::{Estimate, SphericalPoint, TetherState};
@@ -73,7 +73,7 @@ pub(super) struct PositionInput<S: Scalar> {
 
 impl<S: Scalar> PositionFilter<S> {
     pub fn new(p: &Params) -> Self {
-        let kind = LinkKind::from_parameter(p.tether_kind);
+        let kind = TetherKind::from_parameter(p.tether_kind);
         let f = S::from_f32;
         let ground = p.ground_height;
         let distance = if kind.has_winch() {

@@ -3,7 +3,7 @@
 use super::leg::{Leg, Shape};
 use crate::frames::{V3, World};
 use crate::math::so3;
-use crate::model::LinkKind;
+use crate::model::TetherKind;
 use crate::param::Params;
 use crate::scalar::Scalar;
 use crate::signal::SphericalPoint;
@@ -89,8 +89,8 @@ impl<S: Scalar> Planner<S> {
     pub fn new(p: &Params) -> Self {
         let f = S::from_f32;
         Self {
-            has_winch: LinkKind::from_parameter(p.tether_kind).has_winch(),
-            is_free: LinkKind::from_parameter(p.tether_kind).is_free(),
+            has_winch: TetherKind::from_parameter(p.tether_kind).has_winch(),
+            is_free: TetherKind::from_parameter(p.tether_kind).is_free(),
             near_distance: f(p.start_distance),
             climb_height: f(p.climb_altitude),
             ground_height: f(p.ground_height),

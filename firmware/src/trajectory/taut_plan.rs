@@ -1,7 +1,7 @@
 //! A smooth move of elevation and link force, or elevation and pitch, and whether it can be flown.
 
 use super::{SmoothMove, Smoothness, ThrustBranch};
-use crate::model::{LinkKind, PlanarModel, PlanarState};
+use crate::model::{PlanarModel, PlanarState, TetherKind};
 use crate::scalar::Scalar;
 use crate::signal::{PlanarReference, TautPurpose};
 
@@ -18,7 +18,7 @@ pub struct TautBounds<S> {
     /// Vehicle and link.
     pub model: PlanarModel<S>,
     /// What the link carries.
-    pub kind: LinkKind,
+    pub kind: TetherKind,
     /// Lowest and highest thrust, N.
     pub thrust: (S, S),
     /// Lowest magnitude of the link force, N.
@@ -165,14 +165,14 @@ impl<S: Scalar> TautPlan<S> {
         let force = model.link_force(state, thrust);
         check_carried(bounds.kind, force)?;
         // A bar passes through zero; the ends of its move are checked by themselves.
-        if bounds.kind != LinkKind::Bar && force.abs() < bounds.force_min {
+        if bounds.kind != TetherKind::Bar && force.abs() < bounds.force_min {
             return Err("Move refused: link force too small to be seen");
         }
         Ok(())
     }
 }
 
-fn check_carried<S: Scalar>(kind: LinkKind, force: S) -> Result<(), &'static str> {
+fn check_carried<S: Scalar>(kind: TetherKind, force: S) -> Result<(), &'static str> {
     match (kind.carries(force.to_f32()), force < S::zero()) {
         (true, _) => Ok(()),
         (false, true) => Err("Move refused: a cable cannot push"),

@@ -14,7 +14,7 @@ use crate::fault::Invalid;
 use crate::frames::{Body, V3};
 use crate::math::GRAVITY;
 use crate::math::filter::{Biquad, Biquad3State, BiquadState};
-use crate::model::{LinkKind, PlanarImu, PlanarModel, PlanarState};
+use crate::model::{PlanarImu, PlanarModel, PlanarState, TetherKind};
 use crate::param::Params;
 use crate::scalar::Scalar;
 use crate::signal::{Imu, TautPurpose};
@@ -104,7 +104,7 @@ impl<S: Scalar> TautEstimator<S> {
     /// # Errors
     /// [`Invalid`] naming the setting; the parameters' ranges exclude it.
     pub fn try_new(p: &Params) -> Result<Self, Invalid> {
-        let kind = LinkKind::from_parameter(p.tether_kind);
+        let kind = TetherKind::from_parameter(p.tether_kind);
         let model = PlanarModel::try_new(
             S::from_f32(p.mass),
             S::from_f32(p.inertia_y),

@@ -25,7 +25,7 @@ use crate::fault::Invalid;
 use crate::frames::{Body, V3, World};
 use crate::math::trig::sin_cos;
 use crate::math::wrap_pi;
-use crate::model::{LinkKind, PendulumModel};
+use crate::model::{PendulumModel, TetherKind};
 use crate::param::Params;
 use crate::scalar::Scalar;
 use crate::signal::{Action, FlightReference, LoadReference};
@@ -109,7 +109,7 @@ pub(crate) fn gain_warning(p: &Params) -> Option<&'static str> {
 impl<S: Scalar> PendulumConfig<S> {
     /// From the parameters; `None` on a tether or with gains without any proof.
     pub fn new(p: &Params) -> Option<Self> {
-        let is_free = LinkKind::from_parameter(p.tether_kind).is_free();
+        let is_free = TetherKind::from_parameter(p.tether_kind).is_free();
         if is_free { Self::try_new(p).ok() } else { None }
     }
 

@@ -2,7 +2,7 @@
 
 use crate::control::taut::TautPilot;
 use crate::estimate::taut::TautEstimator;
-use crate::model::LinkKind;
+use crate::model::TetherKind;
 use crate::param::Params;
 use crate::scalar::Scalar;
 use crate::signal::TautPurpose;
@@ -31,7 +31,7 @@ impl<S: Scalar> TautConfig<S> {
         Some(Self {
             bounds: TautBounds {
                 model,
-                kind: LinkKind::from_parameter(p.tether_kind),
+                kind: TetherKind::from_parameter(p.tether_kind),
                 thrust: force.thrust_range(),
                 // What the observer cannot see is no set-point.
                 force_min: S::from_f32(p.taut_force_min).max(estimator.force_floor()),

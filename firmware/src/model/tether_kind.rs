@@ -2,7 +2,7 @@
 
 /// Kind of the link; parameter `TET_KIND`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum LinkKind {
+pub enum TetherKind {
     /// A cable of fixed length: pulls.
     Cable,
     /// A cable on a constant-tension winch: pulls.
@@ -15,7 +15,7 @@ pub enum LinkKind {
     Free,
 }
 
-impl LinkKind {
+impl TetherKind {
     /// From the parameter.
     #[must_use]
     pub fn from_parameter(value: f32) -> Self {
