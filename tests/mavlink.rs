@@ -4,7 +4,7 @@
 
 use mavlink::dialects::common as mav;
 use mavlink::{MAVLinkV2MessageRaw, MavHeader, MavlinkVersion, MessageData};
-use tautline_firmware::link::{Frame, Parser};
+use tautline_firmware::mavlink::{Frame, Parser};
 use tautline_firmware::param::{META, Params};
 use tautline_firmware::supervisor::{GroundState, Mode};
 use tautline_sitl::flight::Flight;
@@ -170,9 +170,9 @@ fn a_position_target_moves_the_vehicle_and_a_nan_one_does_not() {
             ..Default::default()
         })
     };
-    let before = flight.world.link.counters().refused;
+    let before = flight.world.connection.counters().refused;
     say(&mut flight, &target(f32::NAN, 0.0, -5.0), 10);
-    assert_eq!(flight.world.link.counters().refused, before + 1);
+    assert_eq!(flight.world.connection.counters().refused, before + 1);
     let heard = say(&mut flight, &target(0.5, 0.0, -60.0), 50);
     assert!(texts(&heard).iter().any(|t| t.starts_with("Move refused")), "{:?}", texts(&heard));
     say(&mut flight, &target(6.0, 3.0, -6.0), 10);
@@ -217,7 +217,7 @@ fn random_bytes_and_random_frames_change_nothing_in_flight() {
     }
     let out = run(&mut flight, 2.0);
     assert_eq!((out.mode, out.is_armed), (Mode::TetherHold, true));
-    assert!(flight.world.link.counters().garbage_bytes > 300_000);
+    assert!(flight.world.connection.counters().garbage_bytes > 300_000);
 }
 
 #[test]

@@ -6,7 +6,7 @@
 use mavlink::MessageData;
 use mavlink::dialects::common as mav;
 use mavlink::types::CharArray;
-use tautline_firmware::link::Link;
+use tautline_firmware::mavlink::Connection;
 use tautline_firmware::param::Params;
 use tautline_firmware::signal::Severity;
 use tautline_firmware::supervisor::Mode;
@@ -195,8 +195,8 @@ fn gains_that_lose_the_proof_are_told_when_they_are_set() {
     assert!(told(&flight, "Pendulum off: PND_BETA too large"));
 }
 
-fn heard<D: MessageData>(message: &D) -> Link {
-    let mut link = Link::new();
+fn heard<D: MessageData>(message: &D) -> Connection {
+    let mut link = Connection::new();
     let bytes = MavlinkSender::new(200, 197).frame(message);
     link.receive_datagram(Micros(1000), &bytes, &Params::default(), &mut |_| {});
     link

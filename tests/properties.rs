@@ -185,7 +185,11 @@ fn the_force_never_exceeds_thrust_or_tilt() {
             length: 10.0,
             length_rate: uniform(&mut rng),
             tension: 10.0 * uniform(&mut rng),
-            link: if i % 2 == 0 { RadialControl::Winch } else { RadialControl::FixedLength },
+            radial_control: if i % 2 == 0 {
+                RadialControl::Winch
+            } else {
+                RadialControl::FixedLength
+            },
             hold_integral: false,
         };
         let force = controller.step(&mut PositionState::default(), &input, 0.004).force.0;

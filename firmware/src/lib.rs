@@ -10,7 +10,7 @@
 //! [`vehicle::Vehicle::step`] is the whole autopilot; board and simulator call the same one. Layers,
 //! lowest first: [`scalar`], [`time`], [`frames`], [`fault`], [`math`], [`model`]; [`signal`] is the data
 //! between stages; [`sense`], [`estimate`] (the filters), [`navigation`] (what joins them), [`trajectory`], [`control`], [`supervisor`] are the stages; [`param`]
-//! holds every setting; [`vehicle`] joins them; [`link`] (MAVLink) and [`log`] (ULog) only read its
+//! holds every setting; [`vehicle`] joins them; [`mavlink`] (MAVLink) and [`log`] (ULog) only read its
 //! output.
 //!
 //! `no_std`, no allocator, no panic in the step, time as an argument, no global.
@@ -28,9 +28,9 @@ pub mod estimate;
 pub mod fault;
 pub mod fixed;
 pub mod frames;
-pub mod link;
 pub mod log;
 pub mod math;
+pub mod mavlink;
 pub mod mode;
 pub mod model;
 pub mod navigation;

@@ -2,8 +2,8 @@
 
 use crate::inbox::Inbox;
 use heapless::String;
-use tautline_firmware::link::Link;
 use tautline_firmware::log::FlightLog;
+use tautline_firmware::mavlink::Connection;
 use tautline_firmware::param::Params;
 use tautline_firmware::signal::Severity;
 use tautline_firmware::time::Micros;
@@ -15,7 +15,7 @@ pub type Port<'a> = &'a mut dyn FnMut(&[u8]) -> bool;
 /// One connection per port, and the log of the present flight.
 #[derive(Debug)]
 pub struct Comms<const PORTS: usize> {
-    links: [Link; PORTS],
+    connections: [Connection; PORTS],
     /// Which connections have been told the notice.
     told: [bool; PORTS],
     notice: Option<String<50>>,
@@ -36,7 +36,7 @@ impl<const PORTS: usize> Comms<PORTS> {
     #[must_use]
     pub fn new(params: Params, notice: Option<String<50>>) -> Self {
         Self {
-            links: core::array::from_fn(|_| Link::new()),
+            connections: core::array::from_fn(|_| Connection::new()),
             told: [false; PORTS],
             notice,
             params,
@@ -46,8 +46,8 @@ impl<const PORTS: usize> Comms<PORTS> {
 
     /// Bytes that arrived at a port.
     pub fn receive(&mut self, port: usize, now: Micros, bytes: &[u8], out: Port) {
-        if let Some(link) = self.links.get_mut(port) {
-            link.receive(now, bytes, &self.params, &mut |frame| {
+        if let Some(connection) = self.connections.get_mut(port) {
+            connection.receive(now, bytes, &self.params, &mut |frame| {
                 out(frame);
             });
         }
@@ -55,8 +55,8 @@ impl<const PORTS: usize> Comms<PORTS> {
 
     /// Hands over what the connections heard.
     pub fn collect(&mut self, inbox: &mut Inbox) {
-        for link in &mut self.links {
-            inbox.hear(link);
+        for connection in &mut self.connections {
+            inbox.hear(connection);
         }
     }
 
@@ -67,17 +67,19 @@ impl<const PORTS: usize> Comms<PORTS> {
 
     /// Tells a port what the step said.
     pub fn transmit(&mut self, port: usize, out: &StepOutput, sink: Port) {
-        let (Some(link), Some(told)) = (self.links.get_mut(port), self.told.get_mut(port)) else {
+        let (Some(connection), Some(told)) =
+            (self.connections.get_mut(port), self.told.get_mut(port))
+        else {
             return;
         };
         let mut send = |frame: &[u8]| {
             sink(frame);
         };
-        link.transmit(out, &self.params, &mut send);
-        if !*told && link.heartbeat_at().is_some() {
+        connection.transmit(out, &self.params, &mut send);
+        if !*told && connection.heartbeat_at().is_some() {
             *told = true;
             if let Some(notice) = &self.notice {
-                link.say(Severity::Critical, notice, &mut send);
+                connection.say(Severity::Critical, notice, &mut send);
             }
         }
     }

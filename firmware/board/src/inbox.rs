@@ -1,7 +1,7 @@
 //! What the slower tasks have for the next step.
 
 use heapless::Deque;
-use tautline_firmware::link::Link;
+use tautline_firmware::mavlink::Connection;
 use tautline_firmware::sense::RawSensors;
 use tautline_firmware::signal::{Request, Sticks};
 use tautline_firmware::time::{Micros, Sample};
@@ -23,15 +23,15 @@ impl Inbox {
     }
 
     /// What a connection heard. A request that finds no room waits in the connection's own queue.
-    pub fn hear(&mut self, link: &mut Link) {
-        self.heartbeat_at = self.heartbeat_at.max(link.heartbeat_at());
+    pub fn hear(&mut self, connection: &mut Connection) {
+        self.heartbeat_at = self.heartbeat_at.max(connection.heartbeat_at());
         let newest = |sticks: &Sample<Sticks>| self.sticks.is_none_or(|s| s.at < sticks.at);
-        if let Some(sticks) = link.sticks().filter(newest) {
+        if let Some(sticks) = connection.sticks().filter(newest) {
             self.sticks = Some(sticks);
         }
-        self.sensors.merge(link.take_sensors());
+        self.sensors.merge(connection.take_sensors());
         while !self.requests.is_full() {
-            let Some(request) = link.next_request() else { break };
+            let Some(request) = connection.next_request() else { break };
             let _ = self.requests.push_back(request);
         }
     }

@@ -14,7 +14,7 @@ use std::time::{Duration, Instant};
 use tautline_board::flight::protocol;
 use tautline_board::status::Status;
 use tautline_board::wire::{Ask, Counts, Injury, Reply};
-use tautline_firmware::link::Parser;
+use tautline_firmware::mavlink::Parser;
 use tautline_firmware::param::Params;
 use tautline_firmware::supervisor::{MODES, Mode};
 
@@ -369,7 +369,7 @@ mod tests {
         for _ in 0..TIME {
             is_captured |= flight.step(&mut |_| {}).sensors.capture.is_some();
         }
-        [flight.world.link.heartbeat_at().is_some(), is_captured]
+        [flight.world.connection.heartbeat_at().is_some(), is_captured]
     }
 
     #[test]

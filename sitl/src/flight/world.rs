@@ -3,7 +3,7 @@
 use super::{Autopilot, Environment};
 use crate::scenario::{Scenario, ScenarioError, Source};
 use tautline_board::flight::protocol;
-use tautline_firmware::link::Link;
+use tautline_firmware::mavlink::Connection;
 use tautline_firmware::param::Params;
 use tautline_firmware::time::Micros;
 use tautline_firmware::vehicle::{StepInput, StepOutput};
@@ -19,7 +19,7 @@ pub struct World {
     /// The firmware.
     pub vehicle: Autopilot,
     /// Its MAVLink connection.
-    pub link: Link,
+    pub connection: Connection,
 }
 
 impl World {
@@ -38,7 +38,7 @@ impl World {
         };
         let vehicle = Autopilot::new(scenario.scalar, params, environment.sensors.scale());
         environment.begin();
-        Ok(Self { environment, motors, vehicle, link: Link::new() })
+        Ok(Self { environment, motors, vehicle, connection: Connection::new() })
     }
 
     /// µs since power-up.
@@ -55,9 +55,10 @@ impl World {
 
     /// Hands the link a datagram of the ground station, unless the link is cut.
     pub fn receive(&mut self, datagram: &[u8], send: &mut dyn FnMut(&[u8])) {
-        let (now, params, link) = (self.environment.now(), self.vehicle.params(), &mut self.link);
+        let (now, params, connection) =
+            (self.environment.now(), self.vehicle.params(), &mut self.connection);
         self.environment.deliver(Source::Ground, datagram, &mut |datagram| {
-            link.receive_datagram(now, datagram, params, send);
+            connection.receive_datagram(now, datagram, params, send);
         });
     }
 
@@ -66,17 +67,17 @@ impl World {
         let winch = f64::from(self.vehicle.winch_tension());
         self.environment.advance(self.motors.channels_mut(), winch);
         let (now, params) = (self.environment.now(), self.vehicle.params());
-        let link = &mut self.link;
+        let connection = &mut self.connection;
         self.environment
-            .publish_capture(&mut |frame| link.receive_datagram(now, frame, params, send));
-        let mut sensors = self.link.take_sensors();
+            .publish_capture(&mut |frame| connection.receive_datagram(now, frame, params, send));
+        let mut sensors = self.connection.take_sensors();
         sensors.merge(self.environment.read());
         let input = StepInput {
             now,
             sensors,
-            heartbeat_at: self.link.heartbeat_at(),
-            sticks: self.link.sticks(),
-            request: self.link.next_request(),
+            heartbeat_at: self.connection.heartbeat_at(),
+            sticks: self.connection.sticks(),
+            request: self.connection.next_request(),
         };
         let out = self.vehicle.step(&input);
         match self.motors.write(&out.actuation.throttle) {
@@ -84,7 +85,7 @@ impl World {
             Err(never) => match never {},
         }
         self.vehicle.maintain();
-        self.link.transmit(&out, self.vehicle.params(), send);
+        self.connection.transmit(&out, self.vehicle.params(), send);
         self.environment.release_rod(out.mode);
         out
     }

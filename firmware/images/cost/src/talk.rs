@@ -4,7 +4,7 @@ use crate::meter::Meter;
 use core::hint::black_box;
 use mavlink::dialects::common::{ATTITUDE_DATA, HEARTBEAT_DATA};
 use mavlink::{MAVLinkV2MessageRaw, MavHeader};
-use tautline_firmware::link::{Link, Parser};
+use tautline_firmware::mavlink::{Connection, Parser};
 use tautline_firmware::param::Params;
 use tautline_firmware::time::Micros;
 
@@ -26,8 +26,8 @@ pub fn all(meter: &mut Meter) {
     });
     let mut heartbeat = MAVLinkV2MessageRaw::new();
     heartbeat.serialize_message_data(header, &HEARTBEAT_DATA::default());
-    let (mut link, params) = (Link::new(), Params::default());
+    let (mut connection, params) = (Connection::new(), Params::default());
     meter.measure("MAVLink hear HEARTBEAT", "f32", || {
-        link.receive(Micros(0), black_box(heartbeat.raw_bytes()), &params, &mut |_| {});
+        connection.receive(Micros(0), black_box(heartbeat.raw_bytes()), &params, &mut |_| {});
     });
 }

@@ -1,7 +1,7 @@
 //! What the vehicle is and how it does.
 
 use super::{Outgoing, standard_mode};
-use crate::link::{Link, Sink, speaks_px4};
+use crate::mavlink::{Connection, Sink, speaks_px4};
 use crate::signal::{Event, ImuHealth, Severity};
 use crate::supervisor::{MODES, ModeRule};
 use crate::vehicle::StepOutput;
@@ -27,7 +27,7 @@ fn base_mode(out: &StepOutput) -> mav::MavModeFlag {
     flags
 }
 
-impl Link {
+impl Connection {
     pub(super) fn send_heartbeat(&mut self, at: &Outgoing, sink: Sink) {
         let Outgoing { out, params, .. } = *at;
         let autopilot = if speaks_px4(params) {
@@ -164,7 +164,7 @@ impl Link {
         self.send(&m, sink);
     }
 
-    pub(in crate::link) fn send_text(&mut self, event: &Event, sink: Sink) {
+    pub(in crate::mavlink) fn send_text(&mut self, event: &Event, sink: Sink) {
         self.say(event.severity, event.text, sink);
     }
 

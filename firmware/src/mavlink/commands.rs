@@ -7,7 +7,7 @@
 #![allow(deprecated)]
 
 use super::frame::Frame;
-use super::{Link, Sink, global};
+use super::{Connection, Sink, global};
 use crate::param::Params;
 use crate::signal::{Action, Request, Ticket};
 use crate::supervisor::Mode;
@@ -179,7 +179,7 @@ fn mode_request(custom_mode: u32) -> Meaning {
     }
 }
 
-impl Link {
+impl Connection {
     pub(super) fn command_long(&mut self, frame: &Frame, params: &Params, sink: Sink) {
         self.command(&Command::from_long(frame), params, sink);
     }

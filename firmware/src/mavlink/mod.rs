@@ -1,12 +1,12 @@
 //! MAVLink 2: bytes in, bytes out.
 //!
-//! The link owns the parser, the telemetry schedule and the parameter service; it turns what it hears
+//! A connection owns the parser, the telemetry schedule and the parameter service; it turns what it receives
 //! into [`Request`]s for the next step and tells what the step said. It never touches the vehicle.
 //! Messages are matched by id and decoded one by one: the crate's enum over all messages costs 80 KB
 //! on the board.
 //!
-//! Per tick of the host: [`Link::receive`] with whatever arrived, [`Link::next_request`] into the
-//! step's input, [`Link::transmit`] with the step's output.
+//! Per tick of the host: [`Connection::receive`] with whatever arrived, [`Connection::next_request`] into the
+//! step's input, [`Connection::transmit`] with the step's output.
 
 mod capture;
 mod commands;
@@ -43,7 +43,7 @@ fn speaks_px4(params: &Params) -> bool {
 
 /// What was heard, and what was dropped.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct LinkCounters {
+pub struct ConnectionCounters {
     /// Valid frames for us.
     pub received: u32,
     /// Valid frames that nobody here reads.
@@ -62,11 +62,11 @@ pub struct LinkCounters {
 
 /// One MAVLink connection.
 #[derive(Debug)]
-pub struct Link {
+pub struct Connection {
     parser: Parser,
     system: u8,
     sequence: u8,
-    counters: LinkCounters,
+    counters: ConnectionCounters,
     heartbeat_at: Option<Micros>,
     sticks: Option<Sample<Sticks>>,
     /// Measured by others and told over MAVLink.
@@ -82,13 +82,13 @@ pub struct Link {
     once: Deque<(u32, u16), 16>,
 }
 
-impl Default for Link {
+impl Default for Connection {
     fn default() -> Self {
         Self::new()
     }
 }
 
-impl Link {
+impl Connection {
     /// Nothing heard yet.
     #[must_use]
     pub fn new() -> Self {
@@ -96,7 +96,7 @@ impl Link {
             parser: Parser::new(),
             system: 1,
             sequence: 0,
-            counters: LinkCounters::default(),
+            counters: ConnectionCounters::default(),
             heartbeat_at: None,
             sticks: None,
             sensors: RawSensors::default(),
@@ -156,7 +156,7 @@ impl Link {
 
     /// What was heard and dropped.
     #[must_use]
-    pub fn counters(&self) -> LinkCounters {
+    pub fn counters(&self) -> ConnectionCounters {
         self.counters
     }
 
