@@ -3,22 +3,22 @@
 //!
 //! [`ElevationAttitudeStatic`] (Γa), [`ElevationAttitude`] (Γa', thrust rate as input) and
 //! [`ElevationForce`] (Γb, thrust acceleration as input) are pure; [`ThrustState`] integrates what they
-//! ask; [`PlanarLoop`] joins one of them to the high-gain observer; [`TautPilot`] flies one of them in
+//! ask; [`PlanarLoop`] joins one of them to the high-gain observer; [`TautController`] flies one of them in
 //! three dimensions.
 
+mod controller;
 mod elevation_attitude;
 mod elevation_force;
 mod inversion;
 mod law;
-mod pilot;
 mod planar_loop;
 mod thrust_state;
 
+pub use controller::{TautController, TautControllerState};
 pub use elevation_attitude::{ElevationAttitude, ElevationAttitudeStatic};
 pub use elevation_force::{ElevationForce, ForceOutputs};
 pub use inversion::Inversion;
 pub use law::Law;
-pub use pilot::{TautPilot, TautPilotState};
 pub use planar_loop::{
     Acting, PlanarCommand, PlanarInput, PlanarLoop, PlanarLoopSettings, PlanarLoopState,
 };

@@ -1,6 +1,6 @@
 //! Observer, laws and bounds on a taut link.
 
-use crate::control::taut::TautPilot;
+use crate::control::taut::TautController;
 use crate::estimate::taut::TautEstimator;
 use crate::model::TetherKind;
 use crate::param::Params;
@@ -12,8 +12,8 @@ use crate::trajectory::TautBounds;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct TautConfig<S: Scalar> {
     pub estimator: TautEstimator<S>,
-    force: TautPilot<S>,
-    attitude: TautPilot<S>,
+    force: TautController<S>,
+    attitude: TautController<S>,
     pub(super) bounds: TautBounds<S>,
     /// s; `None`: by inertia alone.
     pub(super) altimeter_tau: Option<S>,
@@ -26,8 +26,8 @@ impl<S: Scalar> TautConfig<S> {
     pub fn new(p: &Params) -> Option<Self> {
         let estimator = TautEstimator::try_new(p).ok()?;
         let model = *estimator.model();
-        let force = TautPilot::try_new(p, model, TautPurpose::Force).ok()?;
-        let attitude = TautPilot::try_new(p, model, TautPurpose::Attitude).ok()?;
+        let force = TautController::try_new(p, model, TautPurpose::Force).ok()?;
+        let attitude = TautController::try_new(p, model, TautPurpose::Attitude).ok()?;
         Some(Self {
             bounds: TautBounds {
                 model,
@@ -46,7 +46,7 @@ impl<S: Scalar> TautConfig<S> {
         })
     }
 
-    pub(super) fn pilot(&self, purpose: TautPurpose) -> &TautPilot<S> {
+    pub(super) fn controller(&self, purpose: TautPurpose) -> &TautController<S> {
         match purpose {
             TautPurpose::Force => &self.force,
             TautPurpose::Attitude => &self.attitude,

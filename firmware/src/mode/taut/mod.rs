@@ -8,7 +8,7 @@ pub(crate) use config::TautConfig;
 use super::refusal::NEEDS_FIXED_LENGTH;
 use super::setpoints::SLACK;
 use super::{Context, Entry, Exit, FlightMode, Handover, ModeReport, Refusal, Setpoints, rejected};
-use crate::control::taut::TautPilotState;
+use crate::control::taut::TautControllerState;
 use crate::estimate::taut::TautEstimate;
 use crate::math::wrap_pi;
 use crate::scalar::Scalar;
@@ -46,7 +46,7 @@ pub(crate) struct OutOfPlane<S> {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct TautLink<S: Scalar> {
     purpose: TautPurpose,
-    controller: TautPilotState<S>,
+    controller: TautControllerState<S>,
     plan: TautPlan<S>,
     /// Elevation that the observer sees too much of, by the altimeter, rad.
     correction: S,
@@ -105,7 +105,7 @@ impl<S: Scalar> FlightMode<S> for TautLink<S> {
         let elevation = now.planar.elevation - correction;
         Ok(Self {
             purpose,
-            controller: taut.pilot(purpose).start(now),
+            controller: taut.controller(purpose).start(now),
             plan: TautPlan::stay(purpose, elevation, second(purpose, now)),
             correction,
             slack: S::zero(),
@@ -147,7 +147,7 @@ impl<S: Scalar> FlightMode<S> for TautLink<S> {
         }
         let reference = PlanarReference { elevation, second };
         let rate = &cx.situation.estimate.rate;
-        taut.pilot(self.purpose)
+        taut.controller(self.purpose)
             .step(&mut self.controller, now, rate, &reference)
             .map(|attitude| cx.placeless(attitude, tension))
             .map_err(|_| Exit::failed("Taut link controller failed: holding"))

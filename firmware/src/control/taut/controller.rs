@@ -31,7 +31,7 @@ const ATTITUDE_INVERSION: (f64, f64) = (0.05, 0.05);
 
 /// Configuration.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct TautPilot<S> {
+pub struct TautController<S> {
     law: Law<S>,
     limits: ThrustLimits<S>,
     model: PlanarModel<S>,
@@ -42,7 +42,7 @@ pub struct TautPilot<S> {
 
 /// What moves.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct TautPilotState<S> {
+pub struct TautControllerState<S> {
     thrust: ThrustState<S>,
     /// θ' wanted, rad/s.
     pitch_rate: S,
@@ -51,7 +51,7 @@ pub struct TautPilotState<S> {
     time: S,
 }
 
-impl<S: Scalar> TautPilot<S> {
+impl<S: Scalar> TautController<S> {
     /// From the parameters.
     ///
     /// # Errors
@@ -108,8 +108,8 @@ impl<S: Scalar> TautPilot<S> {
 
     /// Starts with the thrust that acts now.
     #[must_use]
-    pub fn start(&self, now: &TautEstimate<S>) -> TautPilotState<S> {
-        TautPilotState {
+    pub fn start(&self, now: &TautEstimate<S>) -> TautControllerState<S> {
+        TautControllerState {
             thrust: ThrustState {
                 thrust: now.thrust.limit(self.limits.min, self.limits.max),
                 rate: S::zero(),
@@ -126,7 +126,7 @@ impl<S: Scalar> TautPilot<S> {
     /// [`Fault::NotFinite`], [`Fault::Degenerate`]; the state is untouched.
     pub fn step(
         &self,
-        state: &mut TautPilotState<S>,
+        state: &mut TautControllerState<S>,
         now: &TautEstimate<S>,
         rate: &Body<V3<S>>,
         reference: &PlanarReference<S>,
