@@ -6,13 +6,13 @@ use embedded_sdmmc::{Block, BlockCount, BlockDevice, BlockIdx};
 use std::cell::RefCell;
 use std::io::{Cursor, Error, Read};
 use std::rc::Rc;
-use tautline_board::comms::Comms;
-use tautline_board::recorder::{CardWriter, LogQueue, Memory, Recorder, Told};
-use tautline_board::tasks::PORTS;
 use tautline_firmware::param::Params;
 use tautline_firmware::sense::ImuScale;
 use tautline_firmware::time::Micros;
 use tautline_firmware::vehicle::{StepInput, StepOutput, Vehicle};
+use tautline_runtime::comms::Comms;
+use tautline_runtime::recorder::{CardWriter, LogQueue, Memory, Recorder, Told};
+use tautline_runtime::tasks::PORTS;
 
 const MEGABYTE: usize = 1 << 20;
 const PARTITION: usize = 2048;

@@ -149,8 +149,8 @@ fn a_range_of_too_few_or_of_half_pages_is_refused() {
 /// As a flash tool leaves them that fills the gap between vectors and code.
 #[test]
 fn pages_of_zeros_are_started_anew_and_then_keep() {
-    use tautline_board::settings::Settings;
     use tautline_firmware::param::Params;
+    use tautline_runtime::settings::Settings;
     const PAGE: usize = 0x4000;
     let open = |flash| ParameterStore::try_new(flash, 0..3 * PAGE as u32).unwrap();
     let flash = FakeFlash::<PAGE, 4>::with_bytes(vec![0; 3 * PAGE]);

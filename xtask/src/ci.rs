@@ -34,7 +34,7 @@ pub fn everything() -> Outcome {
         "-p",
         "tautline-firmware",
         "-p",
-        "tautline-board",
+        "tautline-runtime",
         "-p",
         "tautline-hal-shim",
         "-p",

@@ -6,8 +6,8 @@ use crate::flight::{Flight, Progress};
 use crate::scenario::Scenario;
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
-use tautline_board::wire::{DEAR, Injury};
 use tautline_firmware::param::Params;
+use tautline_runtime::wire::{DEAR, Injury};
 
 /// Options of an emulated flight.
 #[derive(Debug, Args)]

@@ -8,13 +8,13 @@ use embedded_hal::spi::SpiDevice;
 use embedded_io::{Read, ReadReady};
 use embedded_storage::nor_flash::{NorFlash, ReadNorFlash};
 use std::io;
-use tautline_board::settings::Settings;
-use tautline_board::wire::{Ask, Reply};
 use tautline_firmware::param::Params;
 use tautline_hal_shim::battery::AdcPin;
 use tautline_hal_shim::fake::{FakeEsc, FakeFlash};
 use tautline_hal_shim::motors::{MOTORS, Protocol};
 use tautline_hal_shim::parameters::ParameterStore;
+use tautline_runtime::settings::Settings;
+use tautline_runtime::wire::{Ask, Reply};
 
 use super::pipe::Pipe;
 

@@ -11,12 +11,12 @@ use mavlink::{MavlinkVersion, MessageData};
 use std::io::{self, Write};
 use std::path::Path;
 use std::time::{Duration, Instant};
-use tautline_board::flight::protocol;
-use tautline_board::status::Status;
-use tautline_board::wire::{Ask, Counts, Injury, Reply};
 use tautline_firmware::mavlink::Parser;
 use tautline_firmware::param::Params;
 use tautline_firmware::supervisor::{MODES, Mode};
+use tautline_runtime::inner_loop::protocol;
+use tautline_runtime::status::Status;
+use tautline_runtime::wire::{Ask, Counts, Injury, Reply};
 
 /// After the mission the world goes on for this long, s.
 const EPILOGUE: f64 = 2.0;

@@ -2,7 +2,7 @@
 
 use std::fs::File;
 use std::io::{self, Read, Write};
-use tautline_board::wire::{Ask, Reply};
+use tautline_runtime::wire::{Ask, Reply};
 
 /// Frames with their length in front.
 #[derive(Debug)]
@@ -56,7 +56,7 @@ impl Pipe {
     /// # Errors
     /// When the board has gone.
     pub fn reply(&mut self, reply: &Reply) -> io::Result<()> {
-        let mut body = [0; tautline_board::wire::MAX_MESSAGE];
+        let mut body = [0; tautline_runtime::wire::MAX_MESSAGE];
         let message = postcard::to_slice(reply, &mut body).map_err(io::Error::other)?;
         let length = message.len() as u16;
         self.buffer.clear();

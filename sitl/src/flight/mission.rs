@@ -7,8 +7,8 @@ use mavlink::MessageData;
 use mavlink::dialects::common::{
     COMMAND_LONG_DATA, HEARTBEAT_DATA, MANUAL_CONTROL_DATA, MavAutopilot, MavCmd, MavType,
 };
-use tautline_board::status::Status;
 use tautline_firmware::supervisor::Mode;
+use tautline_runtime::status::Status;
 
 /// Ground station's ids.
 const SYSTEM: u32 = 255;

@@ -21,10 +21,10 @@ pub use world::World;
 use crate::metrics::Metrics;
 use crate::scenario::{Scenario, ScenarioError};
 use std::io::Write;
-use tautline_board::status::Status;
 use tautline_firmware::param::Params;
 use tautline_firmware::signal::Event;
 use tautline_firmware::vehicle::StepOutput;
+use tautline_runtime::status::Status;
 
 /// After the mission the world goes on for this long, so that the log shows it at rest, s.
 const EPILOGUE: f64 = 2.0;

@@ -2,13 +2,13 @@
 
 use super::{Autopilot, Environment};
 use crate::scenario::{Scenario, ScenarioError, Source};
-use tautline_board::flight::protocol;
 use tautline_firmware::mavlink::Connection;
 use tautline_firmware::param::Params;
 use tautline_firmware::time::Micros;
 use tautline_firmware::vehicle::{StepInput, StepOutput};
 use tautline_hal_shim::fake::FakeEsc;
 use tautline_hal_shim::motors::MotorOutputs;
+use tautline_runtime::inner_loop::protocol;
 
 /// Everything: the physical world, the vehicle's devices and its firmware.
 #[derive(Debug)]

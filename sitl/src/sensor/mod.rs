@@ -6,14 +6,14 @@ use crate::plant::{Plant, generator};
 use crate::scenario::{FaultKind, Faults, SensorSection};
 use errors::{Altitude, Inertial};
 use rand_pcg::Pcg64Mcg;
-use tautline_board::flight::{raw_imu, scale};
-use tautline_board::slow::{BAROMETER_MS, SlowDevices};
 use tautline_firmware::sense::{ImuScale, Mounting, RawSensors};
 use tautline_firmware::signal::RawTether;
 use tautline_firmware::time::{Micros, Sample};
 use tautline_hal_shim::battery::BatteryMonitor;
 use tautline_hal_shim::fake::{FakeClock, FakeDps310, FakeIcm42688, FakePin, FakeTfMini};
 use tautline_hal_shim::imu::icm42688::{self, Icm42688};
+use tautline_runtime::inner_loop::{raw_imu, scale};
+use tautline_runtime::slow::{BAROMETER_MS, SlowDevices};
 
 /// Rangefinder below the centre of mass, as the parameter's default says, m.
 const RANGE_OFFSET: f64 = 0.03;

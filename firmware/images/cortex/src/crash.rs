@@ -3,7 +3,7 @@
 use core::mem::MaybeUninit;
 use core::sync::atomic::{AtomicBool, Ordering};
 use cortex_m::peripheral::SCB;
-use tautline_board::crash::{Cause, Record};
+use tautline_runtime::crash::{Cause, Record};
 
 /// A reset does not clear it.
 #[unsafe(link_section = ".uninit.crash")]
@@ -46,19 +46,19 @@ macro_rules! crash_handlers {
     ($stop_motors:path) => {
         #[cortex_m_rt::exception]
         unsafe fn HardFault(frame: &cortex_m_rt::ExceptionFrame) -> ! {
-            let cause = tautline_board::crash::Cause::HardFault;
+            let cause = tautline_runtime::crash::Cause::HardFault;
             $crate::crash::end(cause, [frame.pc(), frame.lr()], $stop_motors)
         }
 
         #[panic_handler]
         fn panic(info: &core::panic::PanicInfo) -> ! {
             let line = info.location().map_or(0, |at| at.line());
-            $crate::crash::end(tautline_board::crash::Cause::Panic, [line, 0], $stop_motors)
+            $crate::crash::end(tautline_runtime::crash::Cause::Panic, [line, 0], $stop_motors)
         }
 
         #[defmt::panic_handler]
         fn defmt_panic() -> ! {
-            $crate::crash::end(tautline_board::crash::Cause::Panic, [0, 0], $stop_motors)
+            $crate::crash::end(tautline_runtime::crash::Cause::Panic, [0, 0], $stop_motors)
         }
     };
 }

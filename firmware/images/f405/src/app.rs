@@ -3,16 +3,16 @@
 use crate::{board, telemetry};
 use heapless::spsc::{Consumer, Producer, Queue};
 use stm32f4xx_hal::pac;
-use tautline_board::comms::Comms;
-use tautline_board::crash::Cause;
-use tautline_board::flight::Flight;
-use tautline_board::inbox::Inbox;
-use tautline_board::port::{Port, Queued};
-use tautline_board::settings::Settings;
-use tautline_board::tasks::{self, OUTPUTS, PORTS};
 use tautline_cortex::{crash, stack};
 use tautline_firmware::param::Params;
 use tautline_firmware::vehicle::StepOutput;
+use tautline_runtime::comms::Comms;
+use tautline_runtime::crash::Cause;
+use tautline_runtime::inbox::Inbox;
+use tautline_runtime::inner_loop::InnerLoop;
+use tautline_runtime::port::{Port, Queued};
+use tautline_runtime::settings::Settings;
+use tautline_runtime::tasks::{self, OUTPUTS, PORTS};
 
 /// The flight task has a vector of its own, which the data-ready edge, the timer or an emulator pends.
 pub const FLIGHT: pac::Interrupt = pac::Interrupt::CAN1_SCE;
@@ -29,7 +29,7 @@ mod image {
 
     #[local]
     struct Local {
-        flight: Flight<board::ImuBus, board::Motor>,
+        flight: InnerLoop<board::ImuBus, board::Motor>,
         pace: board::Pace,
         outputs_in: Producer<'static, StepOutput>,
         outputs_out: Consumer<'static, StepOutput>,
@@ -58,7 +58,7 @@ mod image {
         let params = settings.as_ref().map_or_else(board::defaults, |s| *s.params());
 
         let motors = board.motors.run(&params);
-        let mut flight = Flight::new(board.imu, motors, params);
+        let mut flight = InnerLoop::new(board.imu, motors, params);
         if flight.set_up(&mut board.delay).is_err() {
             defmt::error!("inertial sensor: no set-up");
         }

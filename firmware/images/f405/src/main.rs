@@ -1,6 +1,6 @@
 //! Flight image for STM32F405 autopilot boards.
 //!
-//! What the tasks do is `tautline_board::tasks`'s; `app` gives them vectors and priorities. The inertial sensor paces
+//! What the tasks do is `tautline_runtime::tasks`'s; `app` gives them vectors and priorities. The inertial sensor paces
 //! everything; when it falls silent a millisecond timer does.
 //! The board is a feature: a file of pins under `hardware/`, or `emulated`, where a host plays the devices.
 

@@ -6,8 +6,8 @@ use stm32f4xx_hal::pac::{Interrupt, USART1};
 use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::rcc::Rcc;
 use stm32f4xx_hal::serial::{self, Rx, Serial, config::Config};
-use tautline_board::port::Queued;
-use tautline_board::serial::{Memory as Queues, Serial as Both, Transmit};
+use tautline_runtime::port::Queued;
+use tautline_runtime::serial::{Memory as Queues, Serial as Both, Transmit};
 
 /// Bits per second.
 const BAUD: u32 = 115_200;

@@ -2,16 +2,16 @@
 
 use crate::{board, motors};
 use heapless::spsc::{Consumer, Producer, Queue};
-use tautline_board::comms::Comms;
-use tautline_board::crash::Cause;
-use tautline_board::flight::Flight;
-use tautline_board::inbox::Inbox;
-use tautline_board::port::{Port, Queued};
-use tautline_board::settings::Settings;
-use tautline_board::tasks::{self, OUTPUTS, PORTS};
 use tautline_cortex::{crash, stack};
 use tautline_firmware::param::Params;
 use tautline_firmware::vehicle::StepOutput;
+use tautline_runtime::comms::Comms;
+use tautline_runtime::crash::Cause;
+use tautline_runtime::inbox::Inbox;
+use tautline_runtime::inner_loop::InnerLoop;
+use tautline_runtime::port::{Port, Queued};
+use tautline_runtime::settings::Settings;
+use tautline_runtime::tasks::{self, OUTPUTS, PORTS};
 
 /// What RTIC wants of a device.
 pub mod device {
@@ -34,7 +34,7 @@ mod image {
 
     #[local]
     struct Local {
-        flight: Flight<board::ImuBus, motors::Motor>,
+        flight: InnerLoop<board::ImuBus, motors::Motor>,
         pace: board::Pace,
         outputs_in: Producer<'static, StepOutput>,
         outputs_out: Consumer<'static, StepOutput>,
@@ -62,7 +62,7 @@ mod image {
         let params = settings.as_ref().map_or_else(board::defaults, |s| *s.params());
 
         let motors = board.motors.run(&params);
-        let mut flight = Flight::new(board.imu, motors, params);
+        let mut flight = InnerLoop::new(board.imu, motors, params);
         if flight.set_up(&mut board.delay).is_err() {
             defmt::error!("inertial sensor: no set-up");
         }

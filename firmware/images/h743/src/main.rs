@@ -1,4 +1,4 @@
-//! Flight image for STM32H743 autopilot boards: the tasks of `tautline_board::tasks` on another family.
+//! Flight image for STM32H743 autopilot boards: the tasks of `tautline_runtime::tasks` on another family.
 //!
 //! One board so far, the Matek H743-SLIM V3. The inertial sensor paces everything; when it falls silent a millisecond
 //! timer does.

@@ -14,9 +14,9 @@ use embassy_stm32::time::Hertz;
 use embassy_stm32::timer::low_level::CountingMode;
 use embassy_stm32::timer::simple_pwm::{PwmPin, SimplePwm};
 use embedded_hal::pwm::{ErrorType, SetDutyCycle};
-use tautline_board::flight::protocol;
 use tautline_firmware::param::Params;
 use tautline_hal_shim::motors::MotorOutputs;
+use tautline_runtime::inner_loop::protocol;
 
 /// Counts of both timers, a whole part of their clock by PLL (200 MHz) and without (64 MHz), or pulses were off.
 const COUNT_HZ: u32 = 8_000_000;

@@ -3,7 +3,7 @@
 use embassy_stm32::mode::Blocking;
 use embassy_stm32::pac::usart::Usart;
 use embassy_stm32::usart::{self, UartRx, UartTx};
-use tautline_board::serial::Transmit;
+use tautline_runtime::serial::Transmit;
 
 /// Bits per second.
 const BAUD: u32 = 115_200;

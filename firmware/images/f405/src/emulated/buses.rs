@@ -7,10 +7,10 @@ use embedded_hal::delay::DelayNs;
 use embedded_hal::i2c::{self, I2c, NoAcknowledgeSource};
 use embedded_hal::pwm::{self, SetDutyCycle};
 use embedded_hal::spi::{self, SpiDevice};
-use tautline_board::wire::{Ask, Reply};
 use tautline_firmware::signal::ROTORS;
 use tautline_hal_shim::battery::AdcPin;
 use tautline_hal_shim::motors::Protocol;
+use tautline_runtime::wire::{Ask, Reply};
 
 /// Longest transaction on either bus.
 const LONGEST: usize = 32;

@@ -3,7 +3,7 @@
 use super::{bytes_of, host};
 use core::ops::Range;
 use embedded_storage::nor_flash::{ErrorType, NorFlash, NorFlashErrorKind, ReadNorFlash};
-use tautline_board::wire::{Ask, Reply};
+use tautline_runtime::wire::{Ask, Reply};
 
 /// Offsets of the three sectors of 16 KB.
 pub const RANGE: Range<u32> = 0x4000..0x1_0000;

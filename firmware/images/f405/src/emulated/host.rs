@@ -4,7 +4,7 @@ use core::cell::RefCell;
 use cortex_m_semihosting::syscall;
 use critical_section::Mutex;
 use heapless::Deque;
-use tautline_board::wire::{Ask, Injury, MAX_MESSAGE, Reply};
+use tautline_runtime::wire::{Ask, Injury, MAX_MESSAGE, Reply};
 
 const ASK: &str = "ask\0";
 const REPLY: &str = "reply\0";

@@ -4,11 +4,11 @@ use super::host;
 use core::sync::atomic::{AtomicU32, Ordering};
 use stm32f4xx_hal::pac::TIM2;
 use stm32f4xx_hal::rcc::{Enable, Rcc};
-use tautline_board::tasks;
-use tautline_board::wire::{Ask, Counts, DEAR, Status};
 use tautline_cortex::{crash, stack};
 use tautline_firmware::time::Micros;
 use tautline_firmware::vehicle::StepOutput;
+use tautline_runtime::tasks;
+use tautline_runtime::wire::{Ask, Counts, DEAR, Status};
 
 /// Told to the host once a second and at the end.
 const PERIOD: u32 = 1000;

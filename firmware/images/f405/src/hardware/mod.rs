@@ -23,17 +23,17 @@ use heapless::String;
 use stm32f4xx_hal::otg_fs::{USB, UsbBus, UsbBusType};
 use stm32f4xx_hal::pac;
 use stm32f4xx_hal::spi::Spi;
-use tautline_board::port::{Inward, Queued};
-use tautline_board::recorder::{self, CardWriter, LogQueue, Told};
-use tautline_board::settings::Settings;
-use tautline_board::slow::SlowDevices;
-use tautline_board::{tasks, usb};
 use tautline_cortex::crash;
 use tautline_firmware::param::Params;
 use tautline_firmware::time::Micros;
 use tautline_firmware::vehicle::StepOutput;
 use tautline_hal_shim::battery::BatteryMonitor;
 use tautline_hal_shim::parameters::ParameterStore;
+use tautline_runtime::port::{Inward, Queued};
+use tautline_runtime::recorder::{self, CardWriter, LogQueue, Told};
+use tautline_runtime::settings::Settings;
+use tautline_runtime::slow::SlowDevices;
+use tautline_runtime::{tasks, usb};
 use wiring::{BatteryCell, CurrentPin, VoltagePin};
 
 /// The inertial sensor's bus.

@@ -5,9 +5,9 @@ use core::convert::Infallible;
 use core::sync::atomic::{AtomicU32, Ordering};
 use embedded_hal::pwm::{ErrorType, SetDutyCycle};
 use stm32f4xx_hal::rcc::Rcc;
-use tautline_board::flight::protocol;
 use tautline_firmware::param::Params;
 use tautline_hal_shim::motors::MotorOutputs;
+use tautline_runtime::inner_loop::protocol;
 
 /// The stop pulse as a share of the period, of 65536.
 static STOP: AtomicU32 = AtomicU32::new(0);

@@ -6,8 +6,8 @@ use stm32f4xx_hal::pac::USART6;
 use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::rcc::Rcc;
 use stm32f4xx_hal::serial::{Rx, config::Config};
-use tautline_board::port::Inward;
-use tautline_board::serial;
+use tautline_runtime::port::Inward;
+use tautline_runtime::serial;
 
 /// What the parts speak at.
 const BAUD: u32 = 115_200;

@@ -7,8 +7,8 @@
 //! ```
 
 use crate::comms::Comms;
-use crate::flight::Flight;
 use crate::inbox::Inbox;
+use crate::inner_loop::InnerLoop;
 use crate::port::Port;
 use crate::recorder::Recorder;
 use crate::settings::Settings;
@@ -52,7 +52,7 @@ pub trait Pace {
 
 /// One inertial sample, at the highest priority of those that compute.
 pub fn flight<SPI: SpiDevice, PWM: SetDutyCycle>(
-    flight: &mut Flight<SPI, PWM>,
+    flight: &mut InnerLoop<SPI, PWM>,
     pace: &mut impl Pace,
     outputs: &mut Producer<'static, StepOutput>,
     inbox: &mut impl Mutex<T = Inbox>,

@@ -19,7 +19,7 @@ use tautline_hal_shim::motors::{MotorOutputs, Protocol};
 
 /// Inertial sensor, core and motors.
 #[derive(Debug)]
-pub struct Flight<SPI, PWM> {
+pub struct InnerLoop<SPI, PWM> {
     /// On its bus.
     pub imu: Icm42688<SPI>,
     /// On their timers.
@@ -59,7 +59,7 @@ pub fn vehicle(params: Params, scale: ImuScale) -> Vehicle<f32> {
     Vehicle::new(params, scale)
 }
 
-impl<SPI: SpiDevice, PWM: SetDutyCycle> Flight<SPI, PWM> {
+impl<SPI: SpiDevice, PWM: SetDutyCycle> InnerLoop<SPI, PWM> {
     /// On the ground, disarmed; `spi` is the inertial sensor's.
     pub fn new(spi: SPI, motors: MotorOutputs<PWM>, params: Params) -> Self {
         let imu = Icm42688::new(spi, icm42688::Config::default());

@@ -32,4 +32,4 @@ pub mod tasks;
 pub mod usb;
 pub mod wire;
 
-pub use tautline_flight as flight;
+pub use tautline_inner_loop as inner_loop;
