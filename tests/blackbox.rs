@@ -11,7 +11,7 @@ use tautline_firmware::sense::ImuScale;
 use tautline_firmware::time::Micros;
 use tautline_firmware::vehicle::{StepInput, StepOutput, Vehicle};
 use tautline_runtime::comms::Comms;
-use tautline_runtime::recorder::{CardWriter, LogQueue, Memory, Recorder, Told};
+use tautline_runtime::recorder::{CardWriter, LogQueue, Memory, Recorder, RecorderEvent};
 use tautline_runtime::tasks::PORTS;
 
 const MEGABYTE: usize = 1 << 20;
@@ -99,7 +99,7 @@ struct Bench {
     queue: LogQueue,
     writer: CardWriter<Card>,
     out: StepOutput,
-    told: Vec<Told>,
+    told: Vec<RecorderEvent>,
 }
 
 impl Bench {
@@ -152,7 +152,7 @@ fn every_flight_gets_a_file_of_its_own_that_is_whole() {
     let mut bench = Bench::new(&card);
     bench.fly(2_000, |_| 2);
     bench.fly(500, |_| 2);
-    use Told::{Began, Closed};
+    use RecorderEvent::{Began, Closed};
     assert_eq!(bench.told, [Began(1), Closed(true), Began(2), Closed(true)]);
     let files = card.files();
     let names: Vec<&str> = files.iter().map(|(name, _)| name.as_str()).collect();
@@ -180,7 +180,7 @@ fn a_missing_card_and_one_that_is_pulled_out_are_told_and_flown_without() {
     card.pull();
     let mut bench = Bench::new(&card);
     bench.fly(500, |_| 2);
-    assert_eq!(bench.told, [Told::NoCard, Told::Closed(true)]);
+    assert_eq!(bench.told, [RecorderEvent::NoCard, RecorderEvent::Closed(true)]);
 
     let card = Card::new();
     let mut bench = Bench::new(&card);
@@ -189,5 +189,5 @@ fn a_missing_card_and_one_that_is_pulled_out_are_told_and_flown_without() {
     }
     card.pull();
     bench.fly(1_000, |_| 2);
-    assert_eq!(bench.told[..2], [Told::Began(1), Told::Failed]);
+    assert_eq!(bench.told[..2], [RecorderEvent::Began(1), RecorderEvent::Failed]);
 }

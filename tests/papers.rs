@@ -3,12 +3,12 @@
 #![allow(clippy::unwrap_used, clippy::panic, clippy::indexing_slicing, reason = "tests")]
 
 use tautline_sitl::bench::planar::{Feedback, LawKind, PlanarScenario, fly};
-use tautline_sitl::experiment::{Report, Settings, find};
+use tautline_sitl::experiment::{Overrides, Report, find};
 use tautline_sitl::scenario::settings::set;
 
 fn report(key: &str, sets: &[(&str, &str)]) -> Report {
     let sets = sets.iter().map(|(path, value)| ((*path).into(), (*value).into())).collect();
-    (find(key).unwrap().run)(&Settings { sets, seed: 1 }).unwrap()
+    (find(key).unwrap().run)(&Overrides { sets, seed: 1 }).unwrap()
 }
 
 fn assert_passes(key: &str) {
@@ -43,7 +43,7 @@ fn poles_and_planar_loop_of_the_tether_angle_are_as_published_and_specified() {
 #[test]
 fn bad_tether_angle_and_localization_settings_are_refused_by_their_name() {
     let refused = |key: &str, path: &str, value: &str| {
-        let settings = Settings { sets: vec![(path.into(), value.into())], seed: 1 };
+        let settings = Overrides { sets: vec![(path.into(), value.into())], seed: 1 };
         let error = (find(key).unwrap().run)(&settings).err().unwrap();
         let named = path.split('.').next().unwrap();
         assert!(error.contains(named) && !error.contains('\n'), "{path} = {value}: {error}");

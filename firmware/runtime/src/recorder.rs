@@ -79,7 +79,7 @@ impl Recorder for LogQueue {
 
 /// What the card's side has to tell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Told {
+pub enum RecorderEvent {
     /// A file with this number began.
     Began(u16),
     /// The flight goes unrecorded: no card, or none that answers.
@@ -101,7 +101,7 @@ pub struct CardWriter<D: BlockDevice> {
 
 impl<D: BlockDevice> CardWriter<D> {
     /// Whatever there is to do; call it for ever.
-    pub fn serve(&mut self) -> Option<Told> {
+    pub fn serve(&mut self) -> Option<RecorderEvent> {
         let mut block = [0; 512];
         let wanted = self.flags.wanted.load(Ordering::Relaxed);
         if !wanted && self.queue.is_empty() {
@@ -111,11 +111,11 @@ impl<D: BlockDevice> CardWriter<D> {
             let is_whole = self.card.end().is_ok();
             self.has_tried = false;
             self.flags.open.store(false, Ordering::Relaxed);
-            return Some(Told::Closed(is_whole));
+            return Some(RecorderEvent::Closed(is_whole));
         }
         if !self.has_tried {
             self.has_tried = true;
-            return Some(self.card.begin().map_or(Told::NoCard, Told::Began));
+            return Some(self.card.begin().map_or(RecorderEvent::NoCard, RecorderEvent::Began));
         }
         if wanted && self.queue.len() < block.len() {
             return None;
@@ -127,6 +127,6 @@ impl<D: BlockDevice> CardWriter<D> {
             filled += 1;
         }
         let written = self.card.write(block.get(..filled).unwrap_or(&[]));
-        written.is_err().then_some(Told::Failed)
+        written.is_err().then_some(RecorderEvent::Failed)
     }
 }

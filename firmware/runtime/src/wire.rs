@@ -1,5 +1,5 @@
 //! How an emulated board asks its host: the buses, the clock and the console of an image whose back ends are a
-//! stream of bytes. One [`Ask`] in a frame of its own; where it says so, one [`Reply`] comes back.
+//! stream of bytes. One [`Request`] in a frame of its own; where it says so, one [`Reply`] comes back.
 //!
 //! A frame is its length in two bytes, little-endian, and then the message as `postcard` writes it.
 
@@ -12,7 +12,7 @@ pub const MAX_MESSAGE: usize = 600;
 
 /// What the board wants.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub enum Ask<'a> {
+pub enum Request<'a> {
     /// Inertial sensor: one chip select; as many bytes come back.
     Spi(&'a [u8]),
     /// Barometer: a write, then a read of so many bytes. [`Reply::Bytes`] or [`Reply::Failed`].

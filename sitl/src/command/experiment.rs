@@ -1,7 +1,7 @@
 //! `cargo sitl experiment`.
 
 use super::Failure;
-use crate::experiment::{EXPERIMENTS, Experiment, Settings, find};
+use crate::experiment::{EXPERIMENTS, Experiment, Overrides, find};
 use clap::Args;
 use std::fs;
 use std::path::PathBuf;
@@ -51,10 +51,10 @@ pub fn run(options: &Options) -> Result<(), Failure> {
             None => Err(Failure::Usage(format!("--set {set}: not PATH=VALUE"))),
         })
         .collect::<Result<Vec<_>, _>>()?;
-    show(experiment, options, Settings { sets, seed: options.seed })
+    show(experiment, options, Overrides { sets, seed: options.seed })
 }
 
-fn show(experiment: &Experiment, options: &Options, settings: Settings) -> Result<(), Failure> {
+fn show(experiment: &Experiment, options: &Options, settings: Overrides) -> Result<(), Failure> {
     let report = (experiment.run)(&settings).map_err(Failure::Usage)?;
     if options.json {
         say!("{}", report.json(experiment.key, settings.seed, &settings.sets));

@@ -14,7 +14,7 @@ use tautline_hal_shim::fake::{FakeEsc, FakeFlash};
 use tautline_hal_shim::motors::{MOTORS, Protocol};
 use tautline_hal_shim::parameters::ParameterStore;
 use tautline_runtime::settings::Settings;
-use tautline_runtime::wire::{Ask, Reply};
+use tautline_runtime::wire::{Reply, Request};
 
 use super::pipe::Pipe;
 
@@ -69,11 +69,11 @@ impl Devices {
     ///
     /// # Errors
     /// When the board has gone.
-    pub fn serve(&mut self, ask: &Ask, pipe: &mut Pipe) -> io::Result<bool> {
+    pub fn serve(&mut self, request: &Request, pipe: &mut Pipe) -> io::Result<bool> {
         let mut buffer = [0_u8; 512];
         let (imu, barometer, range, pins) = self.environment.sensors.buses();
-        match *ask {
-            Ask::Spi(out) => {
+        match *request {
+            Request::Spi(out) => {
                 let Some(bytes) = buffer.get_mut(..out.len()) else { return Ok(false) };
                 bytes.copy_from_slice(out);
                 match imu.transfer_in_place(bytes) {
@@ -81,7 +81,7 @@ impl Devices {
                     Err(never) => match never {},
                 }
             }
-            Ask::I2c { address, write, read } => {
+            Request::I2c { address, write, read } => {
                 let Some(bytes) = buffer.get_mut(..usize::from(read)) else { return Ok(false) };
                 let mut both = [I2cOperation::Write(write), I2cOperation::Read(bytes)];
                 let wanted = if read == 0 { both.get_mut(..1) } else { Some(&mut both[..]) };
@@ -91,7 +91,7 @@ impl Devices {
                     _ => pipe.reply(&Reply::Failed)?,
                 }
             }
-            Ask::Range => {
+            Request::Range => {
                 let mut filled = 0;
                 while filled < 64 && range.read_ready().unwrap_or(false) {
                     let room = buffer.get_mut(filled..filled + 1).unwrap_or(&mut []);
@@ -99,14 +99,14 @@ impl Devices {
                 }
                 pipe.reply(&Reply::Bytes(buffer.get(..filled).unwrap_or(&[])))?;
             }
-            Ask::Pins => {
+            Request::Pins => {
                 let (Ok(voltage), Ok(current)) =
                     (pins.0.read_millivolts(), pins.1.read_millivolts());
                 pipe.reply(&Reply::Pins(voltage, current))?;
             }
-            Ask::Delay(ns) => self.environment.clock().clone().delay_ns(ns),
-            Ask::Motors(pulses) => self.drive(pulses),
-            Ask::FlashRead { at, length } => {
+            Request::Delay(ns) => self.environment.clock().clone().delay_ns(ns),
+            Request::Motors(pulses) => self.drive(pulses),
+            Request::FlashRead { at, length } => {
                 let bytes = buffer.get_mut(..usize::from(length));
                 let read = self
                     .flash
@@ -118,11 +118,11 @@ impl Devices {
                     _ => pipe.reply(&Reply::Failed)?,
                 }
             }
-            Ask::FlashWrite { at, bytes } => {
+            Request::FlashWrite { at, bytes } => {
                 let done = self.flash.as_mut().is_some_and(|flash| flash.write(at, bytes).is_ok());
                 pipe.reply(if done { &Reply::Done } else { &Reply::Failed })?;
             }
-            Ask::FlashErase { from, to } => {
+            Request::FlashErase { from, to } => {
                 let done = self.flash.as_mut().is_some_and(|flash| flash.erase(from, to).is_ok());
                 pipe.reply(if done { &Reply::Done } else { &Reply::Failed })?;
             }

@@ -16,7 +16,7 @@ use tautline_firmware::param::Params;
 use tautline_firmware::supervisor::{MODES, Mode};
 use tautline_runtime::inner_loop::protocol;
 use tautline_runtime::status::Status;
-use tautline_runtime::wire::{Ask, Counts, Injury, Reply};
+use tautline_runtime::wire::{Counts, Injury, Reply, Request};
 
 /// After the mission the world goes on for this long, s.
 const EPILOGUE: f64 = 2.0;
@@ -106,23 +106,23 @@ pub fn fly(plan: &Plan) -> io::Result<Outcome> {
     let mut host = Host::new(plan)?;
     loop {
         let message = pipe.receive()?;
-        let ask = decode(&message)?;
-        if host.devices.serve(&ask, &mut pipe)? {
-            if matches!(ask, Ask::Motors(_)) {
+        let request = decode(&message)?;
+        if host.devices.serve(&request, &mut pipe)? {
+            if matches!(request, Request::Motors(_)) {
                 host.watch_motors();
             }
             continue;
         }
-        match ask {
-            Ask::Console(bytes) => host.receive_console(bytes),
-            Ask::Log(bytes) => host.out.log.extend_from_slice(bytes),
-            Ask::Status(status) => host.update(&status),
-            Ask::Counts(counts) => host.out.counts = counts,
-            Ask::Advance if host.is_over() => {
+        match request {
+            Request::Console(bytes) => host.receive_console(bytes),
+            Request::Log(bytes) => host.out.log.extend_from_slice(bytes),
+            Request::Status(status) => host.update(&status),
+            Request::Counts(counts) => host.out.counts = counts,
+            Request::Advance if host.is_over() => {
                 pipe.reply(&Reply::End)?;
                 break;
             }
-            Ask::Advance => {
+            Request::Advance => {
                 if is_real_time {
                     host.wait();
                 }
@@ -133,7 +133,7 @@ pub fn fly(plan: &Plan) -> io::Result<Outcome> {
     }
     // The last counts.
     while let Ok(message) = pipe.receive() {
-        if let Ask::Counts(counts) = decode(&message)? {
+        if let Request::Counts(counts) = decode(&message)? {
             host.out.counts = counts;
         }
     }

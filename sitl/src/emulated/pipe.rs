@@ -2,7 +2,7 @@
 
 use std::fs::File;
 use std::io::{self, Read, Write};
-use tautline_runtime::wire::{Ask, Reply};
+use tautline_runtime::wire::{Reply, Request};
 
 /// Frames with their length in front.
 #[derive(Debug)]
@@ -74,6 +74,6 @@ impl Pipe {
 ///
 /// # Errors
 /// When there is none.
-pub fn decode(message: &[u8]) -> io::Result<Ask<'_>> {
+pub fn decode(message: &[u8]) -> io::Result<Request<'_>> {
     postcard::from_bytes(message).map_err(io::Error::other)
 }

@@ -63,8 +63,8 @@ impl Qemu {
         })?;
         let _ = fs::remove_dir_all(folder);
         fs::create_dir_all(folder)?;
-        let (ask, reply) = (folder.join("ask"), folder.join("reply"));
-        fifo(&ask)?;
+        let (request, reply) = (folder.join("request"), folder.join("reply"));
+        fifo(&request)?;
         fifo(&reply)?;
         let serial = match telemetry {
             Telemetry::None => "null".to_owned(),
@@ -90,9 +90,9 @@ impl Qemu {
             .map_err(|e| io::Error::other(format!("{PROGRAM}: {e} (Debian: qemu-system-arm)")))?;
         let qemu = Self { child, folder: folder.to_owned() };
         // In the order in which the image opens them; each waits for the other side.
-        let ask = OpenOptions::new().read(true).open(ask)?;
+        let request = OpenOptions::new().read(true).open(request)?;
         let reply = OpenOptions::new().write(true).open(reply)?;
-        Ok((qemu, Pipe::new(ask, reply)))
+        Ok((qemu, Pipe::new(request, reply)))
     }
 
     /// Waits for the image to end it.

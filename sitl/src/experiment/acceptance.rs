@@ -1,6 +1,6 @@
 //! `planar` section 11: every row beside its limits.
 
-use super::{Compare, Report, Settings, scan};
+use super::{Compare, Overrides, Report, scan};
 use crate::bench::planar::{BranchChoice, PlanarScenario, Residual};
 
 /// One row; what has no limit is not scored.
@@ -125,7 +125,7 @@ fn rows() -> Vec<Row> {
 }
 
 /// Flies all rows.
-pub fn run(settings: &Settings) -> Result<Report, String> {
+pub fn run(settings: &Overrides) -> Result<Report, String> {
     let rows = rows();
     let flown = scan::summaries(settings, rows.iter().map(|r| r.scenario.clone()).collect())?;
     let mut report = Report::default();

@@ -1,7 +1,7 @@
 //! Tether Angle on the whole simulated quadrotor: `flight` section 7, twenty seeds a row.
 
 use super::flown::why_lost;
-use super::{Compare, Report, Settings};
+use super::{Compare, Overrides, Report};
 use crate::campaign::parallel;
 use crate::flight::Flight;
 use crate::metrics::AngleFlightSummary;
@@ -111,7 +111,7 @@ fn scenario(row: &Row, seed: u64) -> Result<Scenario, String> {
 /// Why lost, if lost, and the figures.
 type Flown = (Option<String>, Option<AngleFlightSummary>);
 
-fn fly(row: &Row, settings: &Settings, seed: u64) -> Result<Flown, String> {
+fn fly(row: &Row, settings: &Overrides, seed: u64) -> Result<Flown, String> {
     let s = settings.on(scenario(row, seed)?)?;
     let params = s.params().map_err(|e| e.0)?;
     let mut flight = Flight::new(&s, params, seed, std::io::sink()).map_err(|e| e.0)?;
@@ -120,7 +120,7 @@ fn fly(row: &Row, settings: &Settings, seed: u64) -> Result<Flown, String> {
 }
 
 /// Every row over all seeds, worst beside its limit.
-pub fn run(settings: &Settings) -> Result<Report, String> {
+pub fn run(settings: &Overrides) -> Result<Report, String> {
     let mut report = Report::default();
     let seeds = settings.seeds(SEEDS)?;
     for row in rows() {
@@ -162,7 +162,7 @@ pub fn run(settings: &Settings) -> Result<Report, String> {
 }
 
 /// One flight of the first row, from the change into the mode on: anchor and vehicle, angles, tension.
-fn picture(settings: &Settings) -> Result<Vec<grid::Cell>, String> {
+fn picture(settings: &Overrides) -> Result<Vec<grid::Cell>, String> {
     let s = settings.on(scenario(&STEEP, 3)?)?;
     let params = s.params().map_err(|e| e.0)?;
     let mut flight = Flight::new(&s, params, 3, std::io::sink()).map_err(|e| e.0)?;

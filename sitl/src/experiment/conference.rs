@@ -1,10 +1,10 @@
 //! The conference article: compression, and what its observer needs in discrete time.
 
-use super::{Compare, Report, Settings, pictures, scan};
+use super::{Compare, Overrides, Report, pictures, scan};
 use crate::bench::planar::{PlanarScenario, UpdateKind, fly};
 
 /// Fig. 4.
-pub fn compression(settings: &Settings) -> Result<Report, String> {
+pub fn compression(settings: &Overrides) -> Result<Report, String> {
     let mut report = Report::default();
     let s = settings.planar(PlanarScenario::conference())?;
     let mut displaced = s.clone();
@@ -101,7 +101,7 @@ const TABLE: [Expected; 3] = [
 ];
 
 /// Naive forms against the predictor-corrector, over the rate.
-pub fn observer_forms(settings: &Settings) -> Result<Report, String> {
+pub fn observer_forms(settings: &Overrides) -> Result<Report, String> {
     let mut report = Report::default();
     let mut curves = Vec::new();
     for (name, rates, expected) in TABLE {

@@ -1,7 +1,7 @@
 //! The whole firmware in fixed point against the same in single precision: the same flights, the same seeds.
 
 use super::flown::why_lost;
-use super::{Compare, Report, Settings};
+use super::{Compare, Overrides, Report};
 use crate::campaign::parallel;
 use crate::flight::Flight;
 use crate::metrics::{Spread, Summary};
@@ -61,7 +61,7 @@ const ROWS: [Row; 5] = [
     },
 ];
 
-fn fly(settings: &Settings, row: &Row, scalar: Arithmetic, seed: u64) -> Result<Summary, String> {
+fn fly(settings: &Overrides, row: &Row, scalar: Arithmetic, seed: u64) -> Result<Summary, String> {
     let scenario = Scenario::parse(row.text, row.name).map_err(|e| e.0)?;
     let scenario = Scenario { scalar, ..settings.on(scenario)? };
     let params = scenario.params().map_err(|e| e.0)?;
@@ -74,7 +74,7 @@ fn fly(settings: &Settings, row: &Row, scalar: Arithmetic, seed: u64) -> Result<
 }
 
 /// Every flight in both.
-pub fn run(settings: &Settings) -> Result<Report, String> {
+pub fn run(settings: &Overrides) -> Result<Report, String> {
     let mut report = Report::default();
     let seeds = settings.seeds(SEEDS)?;
     let saturated = saturation::count();

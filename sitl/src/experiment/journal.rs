@@ -1,7 +1,7 @@
 //! The journal article's section VI.
 
 use super::pictures::{self, ScanPanel, TimeSeries};
-use super::{Compare, Report, Settings, scan};
+use super::{Compare, Overrides, Report, scan};
 use crate::bench::planar::{BranchChoice, LawKind, PlanarScenario, PlanarSummary};
 
 /// The article's three durations, s.
@@ -31,7 +31,7 @@ fn second(law: LawKind) -> (&'static str, &'static str, &'static str) {
 const EXACT: [f64; 2] = [2e-3, 0.05];
 
 /// Both controllers, three durations.
-pub fn nominal(settings: &Settings) -> Result<Report, String> {
+pub fn nominal(settings: &Overrides) -> Result<Report, String> {
     let mut report = Report::default();
     for law in [LawKind::Attitude, LawKind::Force] {
         let (name, what, unit) = second(law);
@@ -82,7 +82,7 @@ fn article(report: &mut Report, name: &str, s: &PlanarSummary) {
 }
 
 /// VI-A.
-pub fn initial_errors(settings: &Settings) -> Result<Report, String> {
+pub fn initial_errors(settings: &Overrides) -> Result<Report, String> {
     let mut report = Report::default();
     for law in [LawKind::Attitude, LawKind::Force] {
         let (name, what, unit) = second(law);
@@ -139,7 +139,7 @@ pub fn with_error(s: &mut PlanarScenario, parameter: usize, error: f64) {
 const PARAMETERS: [&str; 3] = ["mass", "length", "inertia"];
 
 /// Figs. 4 and 5.
-pub fn parameters(settings: &Settings) -> Result<Report, String> {
+pub fn parameters(settings: &Overrides) -> Result<Report, String> {
     let mut report = Report::default();
     for law in [LawKind::Attitude, LawKind::Force] {
         let (name, ..) = second(law);
@@ -224,7 +224,7 @@ pub fn parameters(settings: &Settings) -> Result<Report, String> {
 }
 
 /// Fig. 7.
-pub fn general_model(settings: &Settings) -> Result<Report, String> {
+pub fn general_model(settings: &Overrides) -> Result<Report, String> {
     let mut report = Report::default();
     type Change = fn(&mut PlanarScenario, f64);
     let changes: [(&str, f64, f64, Change); 3] = [
@@ -320,7 +320,7 @@ pub fn general_model(settings: &Settings) -> Result<Report, String> {
 }
 
 /// Fig. 8.
-pub fn noise(settings: &Settings) -> Result<Report, String> {
+pub fn noise(settings: &Overrides) -> Result<Report, String> {
     let mut report = Report::default();
     let at = |law, epsilon| {
         let mut s = single(law, 5.0);
@@ -372,7 +372,7 @@ pub fn noise(settings: &Settings) -> Result<Report, String> {
 }
 
 /// VI-E.
-pub fn motors(settings: &Settings) -> Result<Report, String> {
+pub fn motors(settings: &Overrides) -> Result<Report, String> {
     let mut report = Report::default();
     const LAGS: [f64; 5] = [0.02, 0.04, 0.08, 0.12, 0.15];
     const CLAIM: &str = "stable up to 0.08 s";

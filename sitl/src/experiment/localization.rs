@@ -1,6 +1,6 @@
 //! Al-Radaideh and Sun's table and figures: position and tension over tension, altitude and velocity.
 
-use super::{Compare, Report, Settings};
+use super::{Compare, Overrides, Report};
 use crate::bench::localization::{
     DT, ESTIMATORS, LocalizationScenario, Outcome, SETTLED, Sample, Setup, Track, generate, run,
 };
@@ -43,12 +43,12 @@ fn track(out: &Outcome, which: usize) -> Result<&Track, String> {
     out.tracks.get(which).ok_or_else(|| "no such estimator".into())
 }
 
-fn with_tension(settings: &Settings, tension: f64) -> Result<LocalizationScenario, String> {
+fn with_tension(settings: &Overrides, tension: f64) -> Result<LocalizationScenario, String> {
     settings.on(LocalizationScenario { tension, ..LocalizationScenario::default() })
 }
 
 /// Table 2 and Figs. 8 to 11.
-pub fn table(settings: &Settings) -> Result<Report, String> {
+pub fn table(settings: &Overrides) -> Result<Report, String> {
     settings.no_seeds()?;
     let mut report = Report::default();
     let mut kept = Vec::new();
@@ -231,7 +231,7 @@ struct Sweep {
 }
 
 fn sweep(
-    settings: &Settings,
+    settings: &Overrides,
     values: &[f64],
     at: impl Fn(f64) -> LocalizationScenario,
 ) -> Result<Sweep, String> {
@@ -281,7 +281,7 @@ fn add_sweep(report: &mut Report, what: &str, unit: &str, s: &Sweep) {
 }
 
 /// Figs. 12 to 14.
-pub fn sweeps(settings: &Settings) -> Result<Report, String> {
+pub fn sweeps(settings: &Overrides) -> Result<Report, String> {
     let mut report = Report::default();
     let four = LocalizationScenario { tension: 4.0, ..LocalizationScenario::default() };
     let altitude = sweep(settings, &[1.0, 2.0, 3.0, 5.0, 7.0, 10.0], |x| four.at_altitude(x))?;
@@ -342,7 +342,7 @@ pub fn sweeps(settings: &Settings) -> Result<Report, String> {
 }
 
 /// `localization` section 6: limits on other noise.
-pub fn add_accuracy(report: &mut Report, settings: &Settings) -> Result<(), String> {
+pub fn add_accuracy(report: &mut Report, settings: &Overrides) -> Result<(), String> {
     let seeds = settings.seeds(3)?;
     for (tension, most) in [(2.0, 0.30), (4.0, 0.20), (10.0, 0.13)] {
         let flown = fly_all(&with_tension(settings, tension)?, &seeds)?;
@@ -368,7 +368,7 @@ pub fn add_accuracy(report: &mut Report, settings: &Settings) -> Result<(), Stri
 }
 
 /// `localization` section 7: the error-state filter beside the article's.
-pub fn add_headroom(report: &mut Report, settings: &Settings) -> Result<(), String> {
+pub fn add_headroom(report: &mut Report, settings: &Overrides) -> Result<(), String> {
     let seeds = settings.seeds(8)?;
     for (tension, most) in [(2.0, 0.65), (4.0, 0.55), (10.0, 0.40)] {
         let flown = fly_all(&with_tension(settings, tension)?, &seeds)?;
@@ -399,7 +399,7 @@ pub fn add_headroom(report: &mut Report, settings: &Settings) -> Result<(), Stri
 }
 
 /// Section 7 and its robustness rows.
-pub fn headroom(settings: &Settings) -> Result<Report, String> {
+pub fn headroom(settings: &Overrides) -> Result<Report, String> {
     let mut report = Report::default();
     add_headroom(&mut report, settings)?;
     let seeds = settings.seeds(4)?;

@@ -36,7 +36,7 @@ pub struct Experiment {
     /// What it shows.
     pub about: &'static str,
     /// Runs it.
-    pub run: fn(&Settings) -> Result<Report, String>,
+    pub run: fn(&Overrides) -> Result<Report, String>,
 }
 
 /// The setting that every experiment with random flights has.
@@ -45,14 +45,14 @@ const SEEDS_MOST: u64 = 100_000;
 
 /// What the user sets for an experiment.
 #[derive(Clone, Debug, Default)]
-pub struct Settings {
-    /// Settings that win over the experiment's own.
+pub struct Overrides {
+    /// Overrides that win over the experiment's own.
     pub sets: Vec<(String, String)>,
     /// Random numbers.
     pub seed: u64,
 }
 
-impl Settings {
+impl Overrides {
     /// A scenario with the user's settings on top.
     ///
     /// # Errors
@@ -345,8 +345,10 @@ mod tests {
 
     #[test]
     fn a_setting_of_an_unknown_name_or_kind_is_refused_by_name() {
-        let settings =
-            |path: &str, value: &str| Settings { sets: vec![(path.into(), value.into())], seed: 1 };
+        let settings = |path: &str, value: &str| Overrides {
+            sets: vec![(path.into(), value.into())],
+            seed: 1,
+        };
         let base = PlanarScenario::default;
         for (path, value) in
             [("plant.weight", "1"), ("nothing", "1"), ("plant.mass", "heavy"), ("plant", "3")]

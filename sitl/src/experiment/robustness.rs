@@ -1,7 +1,7 @@
 //! `planar` section 10: what still flies, and how badly. Ours beside the reference's, within 20 %.
 
 use super::journal::{single, with_error};
-use super::{Compare, Report, Settings, scan};
+use super::{Compare, Overrides, Report, scan};
 use crate::bench::planar::{LawKind, PlanarScenario};
 use crate::campaign::parallel;
 
@@ -14,7 +14,7 @@ fn near(value: f64, rounding: f64) -> Compare {
 }
 
 /// Runs every table.
-pub fn run(settings: &Settings) -> Result<Report, String> {
+pub fn run(settings: &Overrides) -> Result<Report, String> {
     let mut report = Report::default();
     mass_errors(settings, &mut report)?;
     single_errors(settings, &mut report)?;
@@ -33,7 +33,7 @@ fn name(law: LawKind) -> &'static str {
 
 /// The article's mean error of each scenario, infinite where lost.
 fn article_errors(
-    settings: &Settings,
+    settings: &Overrides,
     report: &mut Report,
     cases: Vec<(String, PlanarScenario, f64)>,
 ) -> Result<(), String> {
@@ -50,7 +50,7 @@ fn article_errors(
     Ok(())
 }
 
-fn mass_errors(settings: &Settings, report: &mut Report) -> Result<(), String> {
+fn mass_errors(settings: &Overrides, report: &mut Report) -> Result<(), String> {
     const ERRORS: [f64; 6] = [-15.0, -10.0, -5.0, 5.0, 10.0, 15.0];
     let (force, attitude) = (LawKind::Force, LawKind::Attitude);
     let table = [
@@ -72,7 +72,7 @@ fn mass_errors(settings: &Settings, report: &mut Report) -> Result<(), String> {
     article_errors(settings, report, cases)
 }
 
-fn single_errors(settings: &Settings, report: &mut Report) -> Result<(), String> {
+fn single_errors(settings: &Overrides, report: &mut Report) -> Result<(), String> {
     let (force, attitude) = (LawKind::Force, LawKind::Attitude);
     let table = [
         (force, 7.0, 1, -0.3, 0.022),
@@ -102,7 +102,7 @@ fn single_errors(settings: &Settings, report: &mut Report) -> Result<(), String>
     article_errors(settings, report, cases)
 }
 
-fn general(settings: &Settings, report: &mut Report) -> Result<(), String> {
+fn general(settings: &Overrides, report: &mut Report) -> Result<(), String> {
     let table = [
         (5.0, 1.0, 0.009),
         (5.0, 5.0, 0.048),
@@ -124,7 +124,7 @@ fn general(settings: &Settings, report: &mut Report) -> Result<(), String> {
 }
 
 /// Steady elevation error, degrees.
-fn offsets(settings: &Settings, report: &mut Report) -> Result<(), String> {
+fn offsets(settings: &Overrides, report: &mut Report) -> Result<(), String> {
     let table = [
         ([0.0, -0.10], 21.0),
         ([0.0, -0.03], 9.7),
@@ -163,7 +163,7 @@ fn offsets(settings: &Settings, report: &mut Report) -> Result<(), String> {
     Ok(())
 }
 
-fn motors(settings: &Settings, report: &mut Report) -> Result<(), String> {
+fn motors(settings: &Overrides, report: &mut Report) -> Result<(), String> {
     let lagged = |law, duration, lag: f64, is_modelled: bool| {
         let mut s = single(law, duration);
         s.plant.motor_lag = lag;
@@ -221,7 +221,7 @@ fn motors(settings: &Settings, report: &mut Report) -> Result<(), String> {
 }
 
 /// Five seeds; the reference's random numbers are others, so a factor of two is agreement.
-fn noise(settings: &Settings, report: &mut Report) -> Result<(), String> {
+fn noise(settings: &Overrides, report: &mut Report) -> Result<(), String> {
     let table = [
         (LawKind::Force, 0.3, 1000.0, [3.0, 5.0], LOST),
         (LawKind::Force, 0.5, 1000.0, [3.0, 5.0], 0.034),
@@ -247,8 +247,8 @@ fn noise(settings: &Settings, report: &mut Report) -> Result<(), String> {
         }
         s.noise.accel_variance = 0.1;
         s.noise.gyro_variance = 0.01;
-        let seeds: Vec<Settings> = (0..5)
-            .map(|k| Settings { seed: settings.seed + k, sets: settings.sets.clone() })
+        let seeds: Vec<Overrides> = (0..5)
+            .map(|k| Overrides { seed: settings.seed + k, sets: settings.sets.clone() })
             .collect();
         let flown = parallel::map(
             &seeds,
@@ -397,7 +397,7 @@ fn limit_rows() -> Vec<Limit> {
     ]
 }
 
-fn limits(settings: &Settings, report: &mut Report) -> Result<(), String> {
+fn limits(settings: &Overrides, report: &mut Report) -> Result<(), String> {
     let rows = limit_rows();
     let cases: Vec<(&Limit, f64, f64)> = rows
         .iter()

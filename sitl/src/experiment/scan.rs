@@ -1,11 +1,11 @@
 //! Many planar runs at once.
 
-use super::Settings;
+use super::Overrides;
 use crate::bench::planar::{PlanarScenario, PlanarSummary, Trace, fly};
 use crate::campaign::parallel;
 
 /// Flies all, with the user's settings on top.
-pub fn traces(settings: &Settings, scenarios: Vec<PlanarScenario>) -> Result<Vec<Trace>, String> {
+pub fn traces(settings: &Overrides, scenarios: Vec<PlanarScenario>) -> Result<Vec<Trace>, String> {
     let scenarios =
         scenarios.into_iter().map(|s| settings.planar(s)).collect::<Result<Vec<_>, _>>()?;
     parallel::map(&scenarios, parallel::cores(), |s| fly(s, settings.seed), |_| {})
@@ -15,7 +15,7 @@ pub fn traces(settings: &Settings, scenarios: Vec<PlanarScenario>) -> Result<Vec
 
 /// As [`traces`], figures only.
 pub fn summaries(
-    settings: &Settings,
+    settings: &Overrides,
     scenarios: Vec<PlanarScenario>,
 ) -> Result<Vec<PlanarSummary>, String> {
     let scenarios =
@@ -26,7 +26,7 @@ pub fn summaries(
 
 /// The largest deviation, stepping outwards from zero, before the first that is lost.
 pub fn limit(
-    settings: &Settings,
+    settings: &Overrides,
     step: f64,
     end: f64,
     scenario: impl Fn(f64) -> PlanarScenario,

@@ -1,10 +1,10 @@
 //! Every acceptance row of the specifications of taut-tether sensing and self-localisation, each beside
 //! its limit.
 
-use super::{Report, Settings, localization, tether_angle, thrust};
+use super::{Overrides, Report, localization, tether_angle, thrust};
 
 /// All of them.
-pub fn run(settings: &Settings) -> Result<Report, String> {
+pub fn run(settings: &Overrides) -> Result<Report, String> {
     let mut report = Report::default();
     tether_angle::monte_carlo(&mut report, settings.seed)?;
     tether_angle::add_poles(&mut report, settings)?;

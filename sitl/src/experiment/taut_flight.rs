@@ -1,7 +1,7 @@
 //! The taut-link modes on the whole simulated quadrotor: `flight` section 7, twenty seeds a row.
 
 use super::flown::why_lost;
-use super::{Compare, Report, Settings};
+use super::{Compare, Overrides, Report};
 use crate::campaign::parallel;
 use crate::flight::Flight;
 use crate::metrics::TautSummary;
@@ -221,7 +221,7 @@ fn attitude_tension(mass: f64, elevation: f64, pitch: f64) -> f64 {
 /// One flight: why lost, if lost, and the figures.
 fn fly(
     row: &Row,
-    settings: &Settings,
+    settings: &Overrides,
     seed: u64,
 ) -> Result<(Option<String>, Option<TautSummary>), String> {
     let own = scenario(row, seed)?;
@@ -236,7 +236,7 @@ fn fly(
 }
 
 /// Every row over all seeds, worst beside its limit.
-pub fn run(settings: &Settings) -> Result<Report, String> {
+pub fn run(settings: &Overrides) -> Result<Report, String> {
     let seeds = settings.seeds(SEEDS)?;
     let mut report = Report::default();
     for row in rows() {
@@ -252,7 +252,7 @@ pub fn run(settings: &Settings) -> Result<Report, String> {
 
 fn fly_row(
     row: &Row,
-    settings: &Settings,
+    settings: &Overrides,
     numbers: &[u64],
     report: &mut Report,
 ) -> Result<(), String> {

@@ -1,6 +1,6 @@
 //! Thrust identification: the article's Table 1 on a synthetic record, and on the simulator's own flights.
 
-use super::{Compare, Report, Settings};
+use super::{Compare, Overrides, Report};
 use crate::sysid::{Identified, Model, draw_predictions, identify, parse_csv, prepare};
 
 /// The synthetic record of the specification, the same that the golden vectors hold.
@@ -60,7 +60,7 @@ pub fn add_fits(report: &mut Report) -> Result<Vec<Result<Identified, String>>, 
 }
 
 /// Table 1.
-pub fn table(settings: &Settings) -> Result<Report, String> {
+pub fn table(settings: &Overrides) -> Result<Report, String> {
     settings.no_settings()?;
     let mut report = Report::default();
     let found = add_fits(&mut report)?;

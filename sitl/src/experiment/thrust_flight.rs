@@ -3,7 +3,7 @@
 
 use super::angle_flight::{BASE, LONGEST};
 use super::flown::why_lost;
-use super::{Compare, Report, Settings};
+use super::{Compare, Overrides, Report};
 use crate::campaign::parallel;
 use crate::flight::Flight;
 use crate::scenario::{Scenario, Step, TetherKind, set_param};
@@ -32,7 +32,7 @@ fn vehicle() -> Result<Scenario, String> {
 }
 
 /// Shakes it without a tether and identifies from the log.
-fn identify(settings: &Settings, seed: u64) -> Result<ThrustFit, String> {
+fn identify(settings: &Overrides, seed: u64) -> Result<ThrustFit, String> {
     let mut s = settings.on(vehicle()?)?;
     s.tether.kind = TetherKind::None;
     s.mission = vec![
@@ -54,7 +54,7 @@ fn identify(settings: &Settings, seed: u64) -> Result<ThrustFit, String> {
 }
 
 /// Tether Angle at 30 deg: mean thrust error, estimate and tracking rms, rad.
-fn fly(settings: &Settings, seed: u64, known: Option<&ThrustFit>) -> Result<[f64; 3], String> {
+fn fly(settings: &Overrides, seed: u64, known: Option<&ThrustFit>) -> Result<[f64; 3], String> {
     let s = settings.on(vehicle()?)?;
     let mut params = s.params().map_err(|e| e.0)?;
     for (name, value) in known.iter().flat_map(|fit| fit.parameters()) {
@@ -75,7 +75,7 @@ fn fly(settings: &Settings, seed: u64, known: Option<&ThrustFit>) -> Result<[f64
 }
 
 /// Before and after.
-pub fn run(settings: &Settings) -> Result<Report, String> {
+pub fn run(settings: &Overrides) -> Result<Report, String> {
     let mut report = Report::default();
     let seeds = settings.seeds(SEEDS)?;
     let truth = vehicle()?.vehicle;

@@ -2,7 +2,7 @@
 
 use super::cases::{DISTURBANCES, add_error, mean, summaries, worst};
 use crate::bench::pendulum::{FilterSet, GainSet, PendulumScenario, PendulumSummary, Precision};
-use crate::experiment::{Compare, Report, Settings};
+use crate::experiment::{Compare, Overrides, Report};
 use crate::scenario::DisturbanceKind;
 
 /// Seeds of a row with random numbers.
@@ -10,7 +10,7 @@ const SEEDS: u64 = 6;
 
 struct Table<'a> {
     report: Report,
-    settings: &'a Settings,
+    settings: &'a Overrides,
 }
 
 impl Table<'_> {
@@ -32,7 +32,7 @@ impl Table<'_> {
 }
 
 /// All rows.
-pub fn acceptance(settings: &Settings) -> Result<Report, String> {
+pub fn acceptance(settings: &Overrides) -> Result<Report, String> {
     let mut t = Table { report: Report::default(), settings };
     let base = PendulumScenario::default;
     let helped = || PendulumScenario { vertical_bandwidth: 3.0, soft_start: 4.0, ..base() };

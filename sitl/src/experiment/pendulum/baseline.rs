@@ -2,7 +2,7 @@
 
 use super::cases::{DISTURBANCES, add_error, summaries};
 use crate::bench::pendulum::{GainSet, LawKind, PendulumScenario};
-use crate::experiment::{Compare, Report, Settings};
+use crate::experiment::{Compare, Overrides, Report};
 use crate::report::chart::{ESTIMATE, Line, Panel, Points, SETPOINT, THIRD, TRUTH};
 use crate::report::grid::grid;
 
@@ -31,7 +31,7 @@ fn fallen(law: LawKind, gains: GainSet, tilt: f64, limits: [f64; 2]) -> Pendulum
 
 /// The largest tilt, stepping outwards, before the first that does not come back, deg.
 fn recoverable(
-    settings: &Settings,
+    settings: &Overrides,
     law: LawKind,
     gains: GainSet,
     limits: [f64; 2],
@@ -53,7 +53,7 @@ fn near(value: f64) -> Compare {
 }
 
 /// The comparison.
-pub fn baseline(settings: &Settings) -> Result<Report, String> {
+pub fn baseline(settings: &Overrides) -> Result<Report, String> {
     let mut report = Report::default();
     let soft_start = |law| PendulumScenario { law, soft_start: 4.0, ..PendulumScenario::default() };
     let laws = [
@@ -140,7 +140,7 @@ pub fn baseline(settings: &Settings) -> Result<Report, String> {
     Ok(report)
 }
 
-fn draw(report: &mut Report, settings: &Settings, speeds: [Points; 2]) -> Result<(), String> {
+fn draw(report: &mut Report, settings: &Overrides, speeds: [Points; 2]) -> Result<(), String> {
     let mut errors = Vec::new();
     let mut tilts = Vec::new();
     for (name, colour, law, gains) in [

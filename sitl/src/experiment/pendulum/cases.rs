@@ -2,7 +2,7 @@
 
 use crate::bench::pendulum::{PendulumScenario, PendulumSummary, PendulumTrace};
 use crate::campaign::parallel;
-use crate::experiment::{Compare, Report, Settings};
+use crate::experiment::{Compare, Overrides, Report};
 use crate::scenario::DisturbanceKind;
 
 /// The article's three, with their names.
@@ -20,7 +20,7 @@ fn is_random(s: &PendulumScenario) -> bool {
 
 /// One run for each seed; a single one where nothing is random.
 pub fn traces(
-    settings: &Settings,
+    settings: &Overrides,
     s: PendulumScenario,
     seeds: u64,
 ) -> Result<Vec<PendulumTrace>, String> {
@@ -35,7 +35,7 @@ pub fn traces(
 
 /// As [`traces`], figures only.
 pub fn summaries(
-    settings: &Settings,
+    settings: &Overrides,
     s: PendulumScenario,
     seeds: u64,
 ) -> Result<Vec<PendulumSummary>, String> {

@@ -4,7 +4,7 @@
 use super::cases::DISTURBANCES;
 use crate::campaign::parallel;
 use crate::experiment::flown::why_lost;
-use crate::experiment::{Compare, Report, Settings};
+use crate::experiment::{Compare, Overrides, Report};
 use crate::flight::Flight;
 use crate::metrics::PendulumFlightSummary;
 use crate::report::chart::{ESTIMATE, Line, Panel, Points, SETPOINT, TRUTH};
@@ -79,7 +79,7 @@ fn rows() -> Result<Vec<Row>, String> {
 }
 
 /// All rows.
-pub fn flight(settings: &Settings) -> Result<Report, String> {
+pub fn flight(settings: &Overrides) -> Result<Report, String> {
     let mut report = Report::default();
     let seeds = settings.seeds(SEEDS)?;
     for row in rows()? {
@@ -122,7 +122,7 @@ pub fn flight(settings: &Settings) -> Result<Report, String> {
 }
 
 /// One stochastic flight from the change of mode on.
-fn draw(report: &mut Report, settings: &Settings) -> Result<(), String> {
+fn draw(report: &mut Report, settings: &Overrides) -> Result<(), String> {
     let s = settings.on(base(DisturbanceKind::Stochastic)?)?;
     let params = s.params().map_err(|e| e.0)?;
     let seed = settings.seed.max(1);

@@ -2,7 +2,7 @@
 
 use super::cases::{add_error, mean, traces};
 use crate::bench::pendulum::{PendulumRow, PendulumScenario, PendulumTrace};
-use crate::experiment::{Compare, Report, Settings};
+use crate::experiment::{Compare, Overrides, Report};
 use crate::report::chart::{ESTIMATE, Line, Panel, SETPOINT, THIRD, TRUTH};
 use crate::report::grid::grid;
 use crate::report::space::{Curve, curves};
@@ -12,7 +12,7 @@ use crate::scenario::DisturbanceKind;
 const PUBLISHED: (f64, f64) = (9.72, 0.51);
 
 /// Fig. 6 with what the article does not know of its vehicle: none of it, each alone, all.
-pub fn hardware(settings: &Settings) -> Result<Report, String> {
+pub fn hardware(settings: &Overrides) -> Result<Report, String> {
     let mut report = Report::default();
     let base = PendulumScenario::experiment;
     let plausible = PendulumScenario {

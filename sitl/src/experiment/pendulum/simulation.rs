@@ -2,7 +2,7 @@
 
 use super::cases::{DISTURBANCES, add_error, mean, traces};
 use crate::bench::pendulum::{PendulumRow, PendulumScenario, PendulumTrace};
-use crate::experiment::{Compare, Report, Settings};
+use crate::experiment::{Compare, Overrides, Report};
 use crate::report::chart::{ESTIMATE, Line, Panel, Points, SETPOINT, THIRD, TRUTH};
 use crate::report::grid::{self, grid};
 use crate::report::space::{Curve, curves};
@@ -23,7 +23,7 @@ fn late_mean(trace: &PendulumTrace, settled: f64, pick: impl Fn(&PendulumRow) ->
 const COLOURS: [RGBColor; 3] = [TRUTH, SETPOINT, ESTIMATE];
 
 /// Figs. 1 to 4, for 120 s as printed.
-pub fn simulation(settings: &Settings) -> Result<Report, String> {
+pub fn simulation(settings: &Overrides) -> Result<Report, String> {
     let mut report = Report::default();
     let base = PendulumScenario { duration: 120.0, ..PendulumScenario::default() };
     let settled = settings.on(base.clone())?.settled;
@@ -85,7 +85,7 @@ pub fn simulation(settings: &Settings) -> Result<Report, String> {
 }
 
 /// The article starts the filter at the rod hanging down.
-fn wrong_start(settings: &Settings, base: &PendulumScenario) -> Result<PendulumTrace, String> {
+fn wrong_start(settings: &Overrides, base: &PendulumScenario) -> Result<PendulumTrace, String> {
     let s = settings.on(PendulumScenario {
         starts_turned_over: true,
         duration: 40.0,

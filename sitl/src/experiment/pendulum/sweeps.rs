@@ -2,7 +2,7 @@
 
 use super::cases::{DISTURBANCES, mean, summaries};
 use crate::bench::pendulum::{FilterSet, GainSet, PendulumScenario};
-use crate::experiment::{Compare, Report, Settings};
+use crate::experiment::{Compare, Overrides, Report};
 use crate::report::chart::{ESTIMATE, Line, Panel, Points, SETPOINT, THIRD, TRUTH};
 use crate::report::grid::{self, grid};
 use crate::scenario::DisturbanceKind;
@@ -12,7 +12,7 @@ const SEEDS: u64 = 3;
 
 struct Sweep<'a> {
     report: Report,
-    settings: &'a Settings,
+    settings: &'a Overrides,
 }
 
 fn near(value: f64) -> Compare {
@@ -39,7 +39,7 @@ fn helped() -> PendulumScenario {
 }
 
 /// All sweeps.
-pub fn sweeps(settings: &Settings) -> Result<Report, String> {
+pub fn sweeps(settings: &Overrides) -> Result<Report, String> {
     let mut t = Sweep { report: Report::default(), settings };
     let mut cells = vec![rates(&mut t)?, noise(&mut t)?];
     let (delays, map) = delays(&mut t)?;

@@ -4,7 +4,7 @@ use crate::bench::tether_angle::{
     AnchorMotion, AngleRow, AngleScenario, AngleTrace, Setting, fly, sensitivity,
 };
 use crate::campaign::parallel;
-use crate::experiment::{Compare, Report, Settings};
+use crate::experiment::{Compare, Overrides, Report};
 use crate::report::chart::{ESTIMATE, Line, Panel, Points, SETPOINT, THIRD, TRUTH};
 use crate::report::grid::{self, grid};
 use plotters::prelude::SeriesLabelPosition;
@@ -20,7 +20,7 @@ fn worst(traces: &[AngleTrace], pick: impl Fn(&AngleTrace) -> f64) -> f64 {
 }
 
 /// `inertial` section 7: limits over five seeds.
-pub fn add_loop(report: &mut Report, settings: &Settings) -> Result<Vec<AngleTrace>, String> {
+pub fn add_loop(report: &mut Report, settings: &Overrides) -> Result<Vec<AngleTrace>, String> {
     let traces = runs(&settings.on(AngleScenario::default())?, &settings.seeds(5)?)?;
     let deg = |x: f64| x.to_degrees();
     let mut limit = |name: &str, ours: f64, most: f64| {
@@ -53,7 +53,7 @@ fn angles(title: &'static str, trace: &AngleTrace) -> grid::Cell {
 }
 
 /// Figs. 9 to 11 and the rows of `inertial` section 7.
-pub fn planar_loop(settings: &Settings) -> Result<Report, String> {
+pub fn planar_loop(settings: &Overrides) -> Result<Report, String> {
     let mut report = Report::default();
     let traces = add_loop(&mut report, settings)?;
     let base = settings.on(AngleScenario::default())?;

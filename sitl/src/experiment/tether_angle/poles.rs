@@ -1,7 +1,7 @@
 //! Closed-loop poles over the tether angle: Fig. 8.
 
 use crate::bench::tether_angle::{AngleScenario, linearise};
-use crate::experiment::{Compare, Report, Settings};
+use crate::experiment::{Compare, Overrides, Report};
 use crate::report::chart::{ESTIMATE, Line, Panel, SETPOINT, TRUTH};
 use crate::report::grid::grid;
 use plotters::prelude::SeriesLabelPosition;
@@ -16,7 +16,7 @@ const POLES: [(f64, f64, [Pole; 3]); 4] = [
 ];
 
 /// Fig. 8.
-pub fn poles(settings: &Settings) -> Result<Report, String> {
+pub fn poles(settings: &Overrides) -> Result<Report, String> {
     settings.no_seeds()?;
     let mut report = Report::default();
     add_poles(&mut report, settings)?;
@@ -44,7 +44,7 @@ pub fn poles(settings: &Settings) -> Result<Report, String> {
 }
 
 /// The poles beside the specification's.
-pub fn add_poles(report: &mut Report, settings: &Settings) -> Result<(), String> {
+pub fn add_poles(report: &mut Report, settings: &Overrides) -> Result<(), String> {
     let base = settings.on(AngleScenario::default())?;
     for (deg, tilt_time, expected) in POLES {
         let s = AngleScenario { tilt_time, ..base.clone() };

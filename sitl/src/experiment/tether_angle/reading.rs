@@ -2,7 +2,7 @@
 
 use crate::bench::tether_angle::{Sensitivity, Setting, sensitivity};
 use crate::campaign::parallel;
-use crate::experiment::{Compare, Report, Settings};
+use crate::experiment::{Compare, Overrides, Report};
 use crate::report::chart::{ESTIMATE, Line, Panel, Points, SETPOINT, THIRD, TRUTH};
 use crate::report::grid::grid;
 
@@ -36,7 +36,7 @@ fn over_angle(base: Setting) -> Vec<Setting> {
 }
 
 /// Figs. 3 to 5 and the specification's Monte-Carlo table.
-pub fn sensitivities(settings: &Settings) -> Result<Report, String> {
+pub fn sensitivities(settings: &Overrides) -> Result<Report, String> {
     settings.no_settings()?;
     let mut report = Report::default();
     monte_carlo(&mut report, settings.seed)?;

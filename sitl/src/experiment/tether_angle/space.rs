@@ -2,7 +2,7 @@
 
 use crate::bench::tether_angle::{AnchorMotion, AngleScenario, SpatialTrace, fly_spatial};
 use crate::campaign::parallel;
-use crate::experiment::{Compare, Report, Settings};
+use crate::experiment::{Compare, Overrides, Report};
 use crate::report::chart::{ESTIMATE, Line, Panel, TRUTH};
 use crate::report::grid::grid;
 
@@ -11,7 +11,7 @@ const DIRECTIONS: [[f64; 2]; 4] = [[25.0, 15.0], [30.0, 30.0], [30.0, 0.0], [35.
 
 /// Of all directions and seeds: lost, and flown within these estimate and tracking errors, deg.
 fn survivors(
-    settings: &Settings,
+    settings: &Overrides,
     seeds: &[u64],
     base: &AngleScenario,
     [estimate, tracking]: [f64; 2],
@@ -37,7 +37,7 @@ fn survivors(
 }
 
 /// `inertial` section 8: survival over ten seeds.
-pub fn add_space(report: &mut Report, settings: &Settings) -> Result<(), String> {
+pub fn add_space(report: &mut Report, settings: &Overrides) -> Result<(), String> {
     let seeds = settings.seeds(10)?;
     let count = seeds.len() * DIRECTIONS.len();
     let base = AngleScenario::spatial(0.0, 0.0);
@@ -58,7 +58,7 @@ pub fn add_space(report: &mut Report, settings: &Settings) -> Result<(), String>
 }
 
 /// Fig. 12.
-pub fn space(settings: &Settings) -> Result<Report, String> {
+pub fn space(settings: &Overrides) -> Result<Report, String> {
     let mut report = Report::default();
     add_space(&mut report, settings)?;
     let seeds = settings.seeds(10)?;

@@ -10,7 +10,7 @@ use embedded_hal::spi::{self, SpiDevice};
 use tautline_firmware::signal::ROTORS;
 use tautline_hal_shim::battery::AdcPin;
 use tautline_hal_shim::motors::Protocol;
-use tautline_runtime::wire::{Ask, Reply};
+use tautline_runtime::wire::{Reply, Request};
 
 /// Longest transaction on either bus.
 const LONGEST: usize = 32;
@@ -39,7 +39,7 @@ impl SpiDevice for ImuBus {
             };
             result.map_err(|_| spi::ErrorKind::Other)?;
         }
-        host::ask(&Ask::Spi(&out), |reply| {
+        host::request(&Request::Spi(&out), |reply| {
             let mut came = bytes_of(reply).ok_or(spi::ErrorKind::Other)?.iter().copied();
             for operation in operations.iter_mut() {
                 match operation {
@@ -82,7 +82,7 @@ impl I2c for SlowBus {
             [i2c::Operation::Write(out), i2c::Operation::Read(into)] => (out, into),
             _ => return Err(i2c::ErrorKind::Other),
         };
-        host::ask(&Ask::I2c { address, write, read: read.len() as u8 }, |reply| {
+        host::request(&Request::I2c { address, write, read: read.len() as u8 }, |reply| {
             let came = bytes_of(reply).ok_or(SILENT)?;
             for (slot, byte) in read.iter_mut().zip(came) {
                 *slot = *byte;
@@ -103,7 +103,7 @@ impl embedded_io::ErrorType for RangePort {
 impl embedded_io::ReadReady for RangePort {
     fn read_ready(&mut self) -> Result<bool, Infallible> {
         if self.0.is_empty() {
-            host::ask(&Ask::Range, |reply| {
+            host::request(&Request::Range, |reply| {
                 for byte in bytes_of(reply).unwrap_or(&[]) {
                     let _ = self.0.push_back(*byte);
                 }
@@ -137,7 +137,7 @@ pub enum Pins {
 impl AdcPin for Pins {
     type Error = Infallible;
     fn read_millivolts(&mut self) -> Result<u16, Infallible> {
-        let (voltage, current) = host::ask(&Ask::Pins, |reply| match reply {
+        let (voltage, current) = host::request(&Request::Pins, |reply| match reply {
             Some(Reply::Pins(voltage, current)) => (voltage, current),
             _ => (0, 0),
         });
@@ -189,7 +189,7 @@ impl SetDutyCycle for Motor {
         if self.0 + 1 == ROTORS {
             let pulses =
                 core::array::from_fn(|i| PULSES.get(i).map_or(0, |p| p.load(Ordering::Relaxed)));
-            host::post(&Ask::Motors(pulses));
+            host::post(&Request::Motors(pulses));
         }
         Ok(())
     }
@@ -201,6 +201,6 @@ pub struct Delay;
 
 impl DelayNs for Delay {
     fn delay_ns(&mut self, ns: u32) {
-        host::post(&Ask::Delay(ns));
+        host::post(&Request::Delay(ns));
     }
 }

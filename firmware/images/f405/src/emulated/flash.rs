@@ -3,7 +3,7 @@
 use super::{bytes_of, host};
 use core::ops::Range;
 use embedded_storage::nor_flash::{ErrorType, NorFlash, NorFlashErrorKind, ReadNorFlash};
-use tautline_runtime::wire::{Ask, Reply};
+use tautline_runtime::wire::{Reply, Request};
 
 /// Offsets of the three sectors of 16 KB.
 pub const RANGE: Range<u32> = 0x4000..0x1_0000;
@@ -27,7 +27,7 @@ impl ReadNorFlash for ParameterFlash {
     fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), Self::Error> {
         let mut at = offset;
         for piece in bytes.chunks_mut(PIECE) {
-            host::ask(&Ask::FlashRead { at, length: piece.len() as u16 }, |reply| {
+            host::request(&Request::FlashRead { at, length: piece.len() as u16 }, |reply| {
                 let came = bytes_of(reply).filter(|came| came.len() == piece.len());
                 piece.copy_from_slice(came.ok_or(NorFlashErrorKind::Other)?);
                 Ok(())
@@ -45,12 +45,12 @@ impl NorFlash for ParameterFlash {
     const WRITE_SIZE: usize = 4;
     const ERASE_SIZE: usize = SECTOR;
     fn erase(&mut self, from: u32, to: u32) -> Result<(), Self::Error> {
-        host::ask(&Ask::FlashErase { from, to }, done)
+        host::request(&Request::FlashErase { from, to }, done)
     }
     fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), Self::Error> {
         let mut at = offset;
         for piece in bytes.chunks(PIECE) {
-            host::ask(&Ask::FlashWrite { at, bytes: piece }, done)?;
+            host::request(&Request::FlashWrite { at, bytes: piece }, done)?;
             at += piece.len() as u32;
         }
         Ok(())

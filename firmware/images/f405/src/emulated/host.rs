@@ -4,9 +4,9 @@ use core::cell::RefCell;
 use cortex_m_semihosting::syscall;
 use critical_section::Mutex;
 use heapless::Deque;
-use tautline_runtime::wire::{Ask, Injury, MAX_MESSAGE, Reply};
+use tautline_runtime::wire::{Injury, MAX_MESSAGE, Reply, Request};
 
-const ASK: &str = "ask\0";
+const ASK: &str = "request\0";
 const REPLY: &str = "reply\0";
 /// `fopen`'s "wb" and "rb".
 const WRITE: usize = 5;
@@ -15,7 +15,7 @@ const READ: usize = 1;
 const HEAD: usize = 2;
 
 struct Host {
-    ask: usize,
+    request: usize,
     reply: usize,
     buffer: [u8; HEAD + MAX_MESSAGE],
     now_us: u64,
@@ -23,7 +23,7 @@ struct Host {
 }
 
 static HOST: Mutex<RefCell<Host>> = Mutex::new(RefCell::new(Host {
-    ask: 0,
+    request: 0,
     reply: 0,
     buffer: [0; HEAD + MAX_MESSAGE],
     now_us: 0,
@@ -42,7 +42,7 @@ fn open_one(name: &str, mode: usize) -> usize {
 /// Waits until the host opens the other ends.
 pub fn open() {
     with(|host| {
-        host.ask = open_one(ASK, WRITE);
+        host.request = open_one(ASK, WRITE);
         host.reply = open_one(REPLY, READ);
     });
 }
@@ -56,13 +56,13 @@ pub fn exit() -> ! {
 }
 
 impl Host {
-    fn send(&mut self, ask: &Ask) {
+    fn send(&mut self, request: &Request) {
         let (head, body) = self.buffer.split_at_mut(HEAD);
-        let Ok(message) = postcard::to_slice(ask, body) else { return };
+        let Ok(message) = postcard::to_slice(request, body) else { return };
         let length = message.len();
         head.copy_from_slice(&(length as u16).to_le_bytes());
         // SAFETY: the buffer is longer than what is written of it.
-        unsafe { syscall!(WRITE, self.ask, self.buffer.as_ptr(), HEAD + length) };
+        unsafe { syscall!(WRITE, self.request, self.buffer.as_ptr(), HEAD + length) };
     }
 
     /// The bytes of the reply; nothing when the host has gone.
@@ -87,14 +87,14 @@ impl Host {
 }
 
 /// Tells the host something.
-pub fn post(ask: &Ask) {
-    with(|host| host.send(ask));
+pub fn post(request: &Request) {
+    with(|host| host.send(request));
 }
 
 /// Asks the host something; `then` gets the reply.
-pub fn ask<T>(ask: &Ask, then: impl FnOnce(Option<Reply>) -> T) -> T {
+pub fn request<T>(request: &Request, then: impl FnOnce(Option<Reply>) -> T) -> T {
     with(|host| {
-        host.send(ask);
+        host.send(request);
         then(host.hear().and_then(|bytes| postcard::from_bytes(bytes).ok()))
     })
 }
@@ -102,7 +102,7 @@ pub fn ask<T>(ask: &Ask, then: impl FnOnce(Option<Reply>) -> T) -> T {
 /// The next millisecond: whether the inertial sensor has a sample, and what to suffer. Nothing at the end.
 pub fn advance() -> Option<(bool, Option<Injury>)> {
     with(|host| {
-        host.send(&Ask::Advance);
+        host.send(&Request::Advance);
         let mut copy = [0; MAX_MESSAGE];
         let bytes = host.hear()?;
         let length = bytes.len();

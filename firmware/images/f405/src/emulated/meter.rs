@@ -8,9 +8,9 @@ use tautline_cortex::{crash, stack};
 use tautline_firmware::time::Micros;
 use tautline_firmware::vehicle::StepOutput;
 use tautline_runtime::tasks;
-use tautline_runtime::wire::{Ask, Counts, DEAR, Status};
+use tautline_runtime::wire::{Counts, DEAR, Request, Status};
 
-/// Told to the host once a second and at the end.
+/// RecorderEvent to the host once a second and at the end.
 const PERIOD: u32 = 1000;
 
 static STEPS: AtomicU32 = AtomicU32::new(0);
@@ -43,7 +43,7 @@ impl Pace {
     pub fn report() {
         let read = |count: &AtomicU32| count.load(Ordering::Relaxed);
         let (stack, stack_room) = stack::depth().unwrap_or((0, 0));
-        host::post(&Ask::Counts(Counts {
+        host::post(&Request::Counts(Counts {
             steps: read(&STEPS),
             instructions: u64::from(read(&HIGH)) << 32 | u64::from(read(&LOW)),
             worst: read(&WORST),
@@ -92,6 +92,6 @@ impl tasks::Pace for Pace {
 
     fn stepped(&mut self, out: &StepOutput) {
         crash::ARMED.store(out.is_armed, Ordering::Relaxed);
-        host::post(&Ask::Status(Status::of(out)));
+        host::post(&Request::Status(Status::of(out)));
     }
 }

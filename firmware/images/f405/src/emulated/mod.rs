@@ -29,7 +29,7 @@ use tautline_runtime::port::{Port, Queued};
 use tautline_runtime::recorder::Recorder;
 use tautline_runtime::settings::Settings;
 use tautline_runtime::slow::SlowDevices;
-use tautline_runtime::wire::{Ask, Injury, Reply};
+use tautline_runtime::wire::{Injury, Reply, Request};
 
 /// Barometer, rangefinder and battery on their buses.
 pub type Devices = SlowDevices<SlowBus, RangePort, Pins, Pins>;
@@ -124,7 +124,7 @@ impl Motors {
 
 /// The stop pulse on every motor, from any context.
 pub fn stop_motors() {
-    host::post(&Ask::Motors([buses::stop(); ROTORS]));
+    host::post(&Request::Motors([buses::stop(); ROTORS]));
 }
 
 pub fn now() -> Micros {
@@ -154,7 +154,7 @@ impl Port for Console {
         host::take_console(buffer)
     }
     fn put(&mut self, frame: &[u8]) -> bool {
-        host::post(&Ask::Console(frame));
+        host::post(&Request::Console(frame));
         true
     }
     fn flush(&mut self) {}
@@ -169,7 +169,7 @@ impl Recorder for LogSink {
             begin: &mut || true,
             write: &mut |bytes| {
                 for piece in bytes.chunks(512) {
-                    host::post(&Ask::Log(piece));
+                    host::post(&Request::Log(piece));
                 }
                 true
             },

@@ -30,7 +30,7 @@ use tautline_firmware::vehicle::StepOutput;
 use tautline_hal_shim::battery::BatteryMonitor;
 use tautline_hal_shim::parameters::ParameterStore;
 use tautline_runtime::port::{Inward, Queued};
-use tautline_runtime::recorder::{self, CardWriter, LogQueue, Told};
+use tautline_runtime::recorder::{self, CardWriter, LogQueue, RecorderEvent};
 use tautline_runtime::settings::Settings;
 use tautline_runtime::slow::SlowDevices;
 use tautline_runtime::{tasks, usb};
@@ -202,14 +202,16 @@ impl Background {
                 told = lost;
             }
             match self.0.serve() {
-                Some(Told::Began(number)) => {
+                Some(RecorderEvent::Began(number)) => {
                     pins::card_fast();
                     defmt::info!("log {}", number);
                 }
-                Some(Told::NoCard) => defmt::warn!("no card, no log"),
-                Some(Told::Failed) => defmt::warn!("card: write failed, the log ends"),
-                Some(Told::Closed(false)) => defmt::warn!("card: the last file may lack its end"),
-                Some(Told::Closed(true)) | None => {}
+                Some(RecorderEvent::NoCard) => defmt::warn!("no card, no log"),
+                Some(RecorderEvent::Failed) => defmt::warn!("card: write failed, the log ends"),
+                Some(RecorderEvent::Closed(false)) => {
+                    defmt::warn!("card: the last file may lack its end")
+                }
+                Some(RecorderEvent::Closed(true)) | None => {}
             }
         }
     }
