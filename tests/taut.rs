@@ -14,7 +14,7 @@ use tautline_firmware::signal::PlanarReference;
 use tautline_firmware::signal::{Action, Outcome, Request, Ticket};
 use tautline_firmware::supervisor::{GroundState, Mode};
 use tautline_firmware::vehicle::StepInput;
-use tautline_sitl::experiment::{Settings, find};
+use tautline_sitl::experiment::{Overrides, find};
 use tautline_sitl::flight::{Flight, Progress};
 use tautline_tests::{flight, run, until};
 
@@ -49,7 +49,7 @@ fn heard(flight: &Flight<Vec<u8>>, text: &str) -> bool {
 
 #[test]
 fn one_seed_of_every_flight_row_keeps_its_limits() {
-    let settings = Settings { sets: vec![("seeds".into(), "1".into())], seed: 3 };
+    let settings = Overrides { sets: vec![("seeds".into(), "1".into())], seed: 3 };
     let report = (find("taut-flight").unwrap().run)(&settings).unwrap();
     for line in &report.lines {
         assert!(line.passes(), "{}", line.text());
@@ -151,7 +151,7 @@ fn one_taut_link_mode_hands_over_to_the_other_in_flight() {
     until(&mut flight, 60.0, |out| out.mode == Mode::TautAttitude);
     let out = run(&mut flight, 20.0);
     assert_eq!(out.mode, Mode::TautAttitude);
-    assert!(out.taut.unwrap().lateral.is_some(), "nobody watches the sideways motion");
+    assert!(out.taut.unwrap().out_of_plane.is_some(), "nobody watches the motion out of the plane");
     let summary = flight.metrics.summary();
     assert_eq!(summary.lost, None);
     assert!(summary.taut.unwrap().azimuth_max_rad < 0.35, "{summary:?}");

@@ -1,7 +1,7 @@
 //! Whatever the vehicle computes with, MAVLink, log and simulator read single precision: converted once, in the report.
 
 use crate::estimate::pendulum::PendulumEstimate;
-use crate::estimate::taut::{LateralState, TautEstimate};
+use crate::estimate::taut::{OutOfPlaneState, TautEstimate};
 use crate::estimate::tether_angle::{TetherAngleEstimate, TetherAngleState};
 use crate::frames::{Attitude, Body, World};
 use crate::model::{PlanarState, TetherAngle, TetherAngleModel};
@@ -126,8 +126,8 @@ single! {
     FlightReference { position, velocity, yaw, tension }
     PlanarReference { elevation, second }
     PlanarState { elevation, elevation_rate, pitch, pitch_rate }
-    LateralState { x, covariance }
-    TautEstimate { planar, link_force, residual, thrust, thrust_rate, accel, rate, lateral }
+    OutOfPlaneState { x, covariance }
+    TautEstimate { planar, link_force, residual, thrust, thrust_rate, accel, rate, out_of_plane }
     TetherAngle { angle, rate, tilt }
     TetherAngleModel { thrust, length }
     TetherAngleState { belief, slack, prior; mode, is_running }

@@ -65,9 +65,9 @@ record! {
         out.taut.as_ref().map(|taut| {
             let x = &taut.planar;
             let (azimuth, roll) = taut
-                .lateral
+                .out_of_plane
                 .as_ref()
-                .map_or((0.0, 0.0), |lateral| (lateral.azimuth(), lateral.roll()));
+                .map_or((0.0, 0.0), |out_of_plane| (out_of_plane.azimuth(), out_of_plane.roll()));
             let (elevation, second) = out.taut_reference.map_or((0.0, 0.0), |reference| {
                 let ([phi, ..], [second, ..]) = (reference.elevation, reference.second);
                 (phi, second)

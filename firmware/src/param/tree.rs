@@ -190,10 +190,10 @@ params! {
         taut_force_bandwidth: "TLK_FRC_BW" Real ["rad/s"] = 1.5 in 0.2 ..= 6.0;
         /// Bandwidth of Taut Attitude: the elevation poles are this times (0.75, 1.1, 1.5), the pitch poles (1, 1.5).
         taut_attitude_bandwidth: "TLK_ATT_BW" Real ["rad/s"] = 1.0 in 0.2 ..= 4.0;
-        /// Bandwidth of the sideways loop; 0.8 suits a bar.
-        taut_lateral_bandwidth: "TLK_LAT_BW" Real ["rad/s"] = 1.2 in 0.1 ..= 4.0;
-        /// Sideways filter: noise of the specific force, in units of 0.5 m/s^2; 3 suits a bar.
-        taut_lateral_noise: "TLK_LAT_NOISE" Real [""] = 1.5 in 0.1 ..= 20.0;
+        /// Bandwidth of the out-of-plane loop; 0.8 suits a bar.
+        taut_out_of_plane_bandwidth: "TLK_LAT_BW" Real ["rad/s"] = 1.2 in 0.1 ..= 4.0;
+        /// Out-of-plane filter: noise of the specific force, in units of 0.5 m/s^2; 3 suits a bar.
+        taut_out_of_plane_noise: "TLK_LAT_NOISE" Real [""] = 1.5 in 0.1 ..= 20.0;
         /// Lowest thrust in the taut-link modes.
         taut_thrust_min: "TLK_THR_MIN" Real ["N"] = 3.0 in 0.1 ..= 100.0;
         /// Highest thrust in the taut-link modes, as a share of what the rotors give.

@@ -148,9 +148,9 @@ impl<S: Scalar> Vehicle<S> {
         let is_in_air = cx.is_in_air();
         self.mode.enter(entry, &cx)?;
         let taut = &mut self.situation.taut;
-        taut.forget_sideways();
+        taut.stop_out_of_plane();
         if let (Some(start), Some(config)) = (self.mode.out_of_plane(), &self.config.modes.taut) {
-            config.estimator.watch_sideways(taut, start.azimuth, start.roll);
+            config.estimator.start_out_of_plane(taut, start.azimuth, start.roll);
         }
         if is_in_air {
             self.situation.setpoints.ground =
@@ -258,7 +258,7 @@ impl<S: Scalar> Vehicle<S> {
         if self.mode.mode().rule().rest == Rest::EndsWithMotors {
             self.mode.rest(&cx);
         }
-        self.situation.taut.forget_sideways();
+        self.situation.taut.stop_out_of_plane();
         self.situation.armed_at = None;
         self.situation.setpoints.ground = GroundState::OnGround;
         self.situation.setpoints.reference = None;

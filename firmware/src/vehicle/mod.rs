@@ -311,7 +311,7 @@ impl<S: Scalar> Vehicle<S> {
         } else if sensors.imu.is_some() {
             let estimate = &situation.estimate;
             let pull = match (&estimate.tether, &estimate.position) {
-                // The specific force is the thrust, which has no sideways part, and the pull.
+                // The specific force is the thrust, which has no part across the body axis, and the pull.
                 _ if self.mode.mode().flies_taut() => {
                     let force = situation.taut.estimate().map_or(V3::zeros(), |taut| taut.accel.0);
                     Body(V3::new(force.x, force.y, S::zero()) * self.config.constants.mass)

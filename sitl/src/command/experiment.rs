@@ -54,10 +54,10 @@ pub fn run(options: &Options) -> Result<(), Failure> {
     show(experiment, options, Overrides { sets, seed: options.seed })
 }
 
-fn show(experiment: &Experiment, options: &Options, settings: Overrides) -> Result<(), Failure> {
-    let report = (experiment.run)(&settings).map_err(Failure::Usage)?;
+fn show(experiment: &Experiment, options: &Options, overrides: Overrides) -> Result<(), Failure> {
+    let report = (experiment.run)(&overrides).map_err(Failure::Usage)?;
     if options.json {
-        say!("{}", report.json(experiment.key, settings.seed, &settings.sets));
+        say!("{}", report.json(experiment.key, overrides.seed, &overrides.sets));
     } else {
         say!("{} ({}): {}", experiment.paper, experiment.figure, experiment.about);
         for line in &report.lines {

@@ -1,5 +1,5 @@
 //! A law of the plane, flown in three dimensions: thrust, pitch rate with its acceleration, and the
-//! sideways and heading loops beside. `flight` sections 2 and 3.
+//! out-of-plane and heading loops beside. `flight` sections 2 and 3.
 
 use super::{ElevationAttitude, ElevationForce, Inversion, Law, ThrustLimits, ThrustState};
 use crate::control::AttitudeCommand;
@@ -20,10 +20,10 @@ const THRUST_RATE_MAX: f64 = 4.0;
 const THRUST_ACCEL_MAX: f64 = 40.0;
 /// The observer settles before the loop closes, s.
 const HOLD_OFF: f64 = 0.4;
-/// Roll error to roll rate, 1/s; largest roll, rad; damping of the sideways loop; heading gain, 1/s.
+/// Roll error to roll rate, 1/s; largest roll, rad; damping of the out-of-plane loop; heading gain, 1/s.
 const ROLL_GAIN: f64 = 1.0 / 0.14;
 const ROLL_MAX: f64 = 0.35;
-const LATERAL_DAMPING: f64 = 0.9;
+const OUT_OF_PLANE_DAMPING: f64 = 0.9;
 const HEADING_GAIN: f64 = 1.5;
 /// Windows of the damped inversions: N, and 1/(kg m).
 const FORCE_INVERSION: (f64, f64) = (0.5, 0.2);
@@ -37,7 +37,7 @@ pub struct TautController<S> {
     model: PlanarModel<S>,
     /// Rotor lag that the thrust is sent ahead of, s.
     lead: S,
-    lateral: S,
+    out_of_plane: S,
 }
 
 /// What moves.
@@ -96,7 +96,7 @@ impl<S: Scalar> TautController<S> {
             limits,
             model,
             lead: S::from_f32(p.motor_tau),
-            lateral: S::from_f32(p.taut_lateral_bandwidth),
+            out_of_plane: S::from_f32(p.taut_out_of_plane_bandwidth),
         })
     }
 
@@ -153,7 +153,7 @@ impl<S: Scalar> TautController<S> {
         let (sin, cos) = now.planar.pitch.sin_cos();
         let turn = rate.0.z / cos.max(S::lit(0.2));
         next.heading += turn * dt;
-        let (roll_rate, cos_roll) = self.sideways(now, turn * sin);
+        let (roll_rate, cos_roll) = self.out_of_plane(now, turn * sin);
         *state = next;
         // The pitch of the plane is positive nose down.
         let zero = S::zero();
@@ -165,18 +165,18 @@ impl<S: Scalar> TautController<S> {
     }
 
     /// Roll rate that brings the vehicle back over its heading, rad/s, and the cosine of the roll.
-    fn sideways(&self, now: &TautEstimate<S>, turn: S) -> (S, S) {
-        let Some(lateral) = &now.lateral else {
+    fn out_of_plane(&self, now: &TautEstimate<S>, turn: S) -> (S, S) {
+        let Some(out_of_plane) = &now.out_of_plane else {
             return (S::zero(), S::one());
         };
-        let (a, b, w) = (lateral.azimuth(), lateral.azimuth_rate(), self.lateral);
+        let (a, b, w) = (out_of_plane.azimuth(), out_of_plane.azimuth_rate(), self.out_of_plane);
         let reach = self.model.length * now.planar.elevation.sin_cos().1;
         let lever = reach * self.model.mass / now.thrust.max(self.limits.min);
-        let pull = -w * w * a - S::lit(2.0 * LATERAL_DAMPING) * w * b;
+        let pull = -w * w * a - S::lit(2.0 * OUT_OF_PLANE_DAMPING) * w * b;
         let wanted = now.planar.pitch.sin_cos().0 * a + lever * pull;
-        let roll = lateral.roll();
+        let roll = out_of_plane.roll();
         let error = wanted.limit_abs(S::lit(ROLL_MAX)) - roll;
-        let rate = error * S::lit(ROLL_GAIN) + turn + lateral.roll_bias();
+        let rate = error * S::lit(ROLL_GAIN) + turn + out_of_plane.roll_bias();
         (rate, roll.sin_cos().1.max(S::lit(0.5)))
     }
 }

@@ -1,13 +1,13 @@
-//! Elevation, pitch, link force and the sideways motion from accelerometer and gyro, on a taut link in
+//! Elevation, pitch, link force and the motion out of the plane from accelerometer and gyro, on a taut link in
 //! three dimensions. `flight` sections 1 to 4.
 //!
 //! The high-gain observer sees the vertical plane through nose and anchor; a small Kalman filter sees
 //! what happens across it. Both need the nose within some 20° of the direction away from the anchor.
 //! Runs from lift-off on, so that it has converged when a mode wants it.
 
-mod lateral;
+mod out_of_plane;
 
-pub use lateral::{LateralFilter, LateralInput, LateralState};
+pub use out_of_plane::{OutOfPlaneFilter, OutOfPlaneInput, OutOfPlaneState};
 
 use super::high_gain::{Branches, HighGain, HighGainInput, HighGainSettings, HighGainState};
 use crate::fault::Invalid;
@@ -33,7 +33,7 @@ pub struct TautEstimator<S: Scalar> {
     force: HighGain<S>,
     attitude: HighGain<S>,
     filter: Biquad<S>,
-    lateral: LateralFilter<S>,
+    out_of_plane: OutOfPlaneFilter<S>,
     mass: S,
     length: S,
 }
@@ -46,7 +46,7 @@ pub struct TautEstimatorState<S: Scalar> {
     thrust: Option<BiquadState<S>>,
     last_thrust: Option<S>,
     observer: Option<HighGainState<S>>,
-    lateral: Option<LateralState<S>>,
+    out_of_plane: Option<OutOfPlaneState<S>>,
     estimate: Option<TautEstimate<S>>,
 }
 
@@ -58,7 +58,7 @@ impl<S: Scalar> Default for TautEstimatorState<S> {
             thrust: None,
             last_thrust: None,
             observer: None,
-            lateral: None,
+            out_of_plane: None,
             estimate: None,
         }
     }
@@ -71,7 +71,7 @@ pub struct TautInput<S: Scalar> {
     pub imu: Imu<S>,
     /// Acting, from the motor model behind the accelerometer's filter, N.
     pub thrust: S,
-    /// Roll by the attitude filter, rad: used until the sideways filter runs.
+    /// Roll by the attitude filter, rad: used until the out-of-plane filter runs.
     pub roll: S,
     /// Which observer speed.
     pub purpose: TautPurpose,
@@ -94,8 +94,8 @@ pub struct TautEstimate<S: Scalar> {
     pub accel: Body<V3<S>>,
     /// Rate, 10 Hz, rad/s.
     pub rate: Body<V3<S>>,
-    /// Across the plane; `None` until [`TautEstimator::watch_sideways`].
-    pub lateral: Option<LateralState<S>>,
+    /// Across the plane; `None` until [`TautEstimator::start_out_of_plane`].
+    pub out_of_plane: Option<OutOfPlaneState<S>>,
 }
 
 impl<S: Scalar> TautEstimator<S> {
@@ -124,7 +124,7 @@ impl<S: Scalar> TautEstimator<S> {
             force: observer(p.taut_epsilon_force)?,
             attitude: observer(p.taut_epsilon_attitude)?,
             filter: Biquad::low_pass(CUTOFF_HZ, (1.0 / OUTER_DT) as f32),
-            lateral: LateralFilter::new(p),
+            out_of_plane: OutOfPlaneFilter::new(p),
             mass: model.mass(),
             length: model.length(),
         })
@@ -150,7 +150,8 @@ impl<S: Scalar> TautEstimator<S> {
             let filter = state.thrust.get_or_insert_with(|| self.filter.settled(input.thrust));
             self.filter.step(filter, input.thrust)
         };
-        let roll = state.lateral.as_ref().map_or(input.roll, |lateral| lateral.roll());
+        let roll =
+            state.out_of_plane.as_ref().map_or(input.roll, |out_of_plane| out_of_plane.roll());
         let (sin, cos) = roll.sin_cos();
         let planar = PlanarImu { x: -accel.x, z: accel.z * cos + accel.y * sin, rate: -gyro.y };
         let in_plane = thrust * cos;
@@ -171,16 +172,16 @@ impl<S: Scalar> TautEstimator<S> {
             return;
         }
         let seen = now.estimate();
-        if let Some(lateral) = &mut state.lateral {
-            let heard = LateralInput {
+        if let Some(out_of_plane) = &mut state.out_of_plane {
+            let heard = OutOfPlaneInput {
                 gyro: Body(gyro),
-                sideways: accel.y,
+                across: accel.y,
                 thrust: thrust / self.mass,
                 force: seen.specific_link_force,
                 planar: seen.state,
                 length: self.length,
             };
-            self.lateral.step(lateral, &heard);
+            self.out_of_plane.step(out_of_plane, &heard);
         }
         state.estimate = Some(TautEstimate {
             planar: seen.state,
@@ -190,15 +191,15 @@ impl<S: Scalar> TautEstimator<S> {
             thrust_rate,
             accel: Body(accel),
             rate: Body(gyro),
-            lateral: state.lateral,
+            out_of_plane: state.out_of_plane,
         });
     }
 
-    /// Starts the sideways filter from the azimuth of the vehicle minus its heading, rad, and roll, rad.
-    pub fn watch_sideways(&self, state: &mut TautEstimatorState<S>, azimuth: S, roll: S) {
-        state.lateral = Some(self.lateral.start(azimuth, roll));
+    /// Starts the out-of-plane filter from the azimuth of the vehicle minus its heading, rad, and roll, rad.
+    pub fn start_out_of_plane(&self, state: &mut TautEstimatorState<S>, azimuth: S, roll: S) {
+        state.out_of_plane = Some(self.out_of_plane.start(azimuth, roll));
         if let Some(estimate) = &mut state.estimate {
-            estimate.lateral = state.lateral;
+            estimate.out_of_plane = state.out_of_plane;
         }
     }
 }
@@ -210,8 +211,8 @@ impl<S: Scalar> TautEstimatorState<S> {
         self.estimate.as_ref()
     }
 
-    /// The sideways filter is not wanted any more.
-    pub fn forget_sideways(&mut self) {
-        self.lateral = None;
+    /// The out-of-plane filter is not wanted any more.
+    pub fn stop_out_of_plane(&mut self) {
+        self.out_of_plane = None;
     }
 }

@@ -28,24 +28,24 @@ const REACH_MIN: f64 = 0.3;
 
 /// Configuration.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LateralFilter<S> {
+pub struct OutOfPlaneFilter<S> {
     variance: S,
 }
 
 /// What moves.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LateralState<S: Scalar> {
+pub struct OutOfPlaneState<S: Scalar> {
     pub(crate) x: Vector4<S>,
     pub(crate) covariance: Matrix4<S>,
 }
 
 /// What one step reads.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LateralInput<S: Scalar> {
+pub struct OutOfPlaneInput<S: Scalar> {
     /// rad/s.
     pub gyro: Body<V3<S>>,
     /// Specific force to the right, m/s².
-    pub sideways: S,
+    pub across: S,
     /// Thrust over mass, m/s².
     pub thrust: S,
     /// Link force over mass, m/s², positive in tension.
@@ -56,27 +56,27 @@ pub struct LateralInput<S: Scalar> {
     pub length: S,
 }
 
-impl<S: Scalar> LateralFilter<S> {
+impl<S: Scalar> OutOfPlaneFilter<S> {
     /// From the parameters.
     #[must_use]
     pub fn new(p: &Params) -> Self {
-        let scale = f64::from(p.taut_lateral_noise);
+        let scale = f64::from(p.taut_out_of_plane_noise);
         let white = scale * scale * ACCEL_VARIANCE / (ACCEL_BANDWIDTH * OUTER_DT);
         Self { variance: S::lit(SCALE * (white + MODEL_VARIANCE)) }
     }
 
     /// From azimuth minus heading and roll, rad.
     #[must_use]
-    pub fn start(&self, azimuth: S, roll: S) -> LateralState<S> {
+    pub fn start(&self, azimuth: S, roll: S) -> OutOfPlaneState<S> {
         let [a, b, r, bias] = START.map(|p| S::lit(SCALE * p));
-        LateralState {
+        OutOfPlaneState {
             x: Vector4::new(azimuth, S::zero(), roll, S::zero()),
             covariance: Matrix4::from_diagonal(&Vector4::new(a, b, r, bias)),
         }
     }
 
-    /// Predicts, corrects with the sideways specific force. What is not finite leaves the state alone.
-    pub fn step(&self, state: &mut LateralState<S>, input: &LateralInput<S>) {
+    /// Predicts, corrects with the specific force across it. What is not finite leaves the state alone.
+    pub fn step(&self, state: &mut OutOfPlaneState<S>, input: &OutOfPlaneInput<S>) {
         let dt = S::lit(OUTER_DT);
         let (o, one) = (S::zero(), S::one());
         let planar = &input.planar;
@@ -120,19 +120,19 @@ impl<S: Scalar> LateralFilter<S> {
         let mut covariance = transition * state.covariance * transition.transpose()
             + Matrix4::from_diagonal(&Vector4::new(qa, qb, qr, q_bias));
         let row = Vector4::new(-input.force * cos_phi, o, input.force * sin_z, o);
-        let innovation = input.sideways - row.dot(&next);
+        let innovation = input.across - row.dot(&next);
         let mut correction = Correction::new(&mut covariance);
         correction.row(&row, innovation, self.variance);
         let x = next + correction.finish();
         // The plane is unstable in compression: an asymmetry that rounding leaves would grow with it.
         let covariance = (covariance + covariance.transpose()) * S::lit(0.5);
         if x.iter().chain(covariance.iter()).all(|v| v.is_finite()) {
-            *state = LateralState { x, covariance };
+            *state = OutOfPlaneState { x, covariance };
         }
     }
 }
 
-impl<S: Scalar> LateralState<S> {
+impl<S: Scalar> OutOfPlaneState<S> {
     /// Azimuth of the vehicle minus heading, rad.
     #[must_use]
     pub fn azimuth(&self) -> S {
