@@ -117,7 +117,7 @@ fn filtered<S: Scalar>() -> f32 {
     for _ in 0..80 {
         ukf.step(&model, &mut state, &TiltImu { x, z, rate: S::zero() });
     }
-    state.belief.x.angle.to_f32()
+    state.posterior.x.angle.to_f32()
 }
 
 #[test]

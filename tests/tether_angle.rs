@@ -73,7 +73,7 @@ fn the_filter_survives_a_minute_of_garbage_and_finds_back() {
         let wild = (f64::from(seed >> 8) / 8e6 - 1.0) * 60.0;
         let bad = [f64::NAN, f64::INFINITY, wild, -wild, 1e30][(seed >> 5) as usize % 5];
         ukf.step(&model(), &mut state, &TiltImu { x: bad, z: wild, rate: bad });
-        let b = &state.belief;
+        let b = &state.posterior;
         assert!(b.x.angle.is_finite() && b.covariance.iter().all(|v| v.is_finite()));
     }
     // Two slack seconds make it start anew; its tilt was never observed, so a mirror image is possible.
@@ -84,8 +84,8 @@ fn the_filter_survives_a_minute_of_garbage_and_finds_back() {
     for _ in 0..400 {
         ukf.step(&model(), &mut state, &TiltImu { x: ax, z: az, rate: 0.0 });
     }
-    let off = (state.belief.x.angle.abs() - x.angle).abs();
-    assert!(off < 0.02, "{:?}", state.belief.x);
+    let off = (state.posterior.x.angle.abs() - x.angle).abs();
+    assert!(off < 0.02, "{:?}", state.posterior.x);
 }
 
 #[test]

@@ -52,13 +52,13 @@ fn main() -> Result<(), Box<dyn core::error::Error>> {
         }
         "predict" => {
             for _ in 0..steps {
-                filter.predict(&mut state.belief, black_box(&rod), black_box(&force), DT);
+                filter.predict(&mut state.posterior, black_box(&rod), black_box(&force), DT);
             }
         }
         "filter" => {
             for _ in 0..steps {
-                filter.predict(&mut state.belief, black_box(&rod), black_box(&force), DT);
-                filter.update(&mut state.belief, black_box(&rod), DT);
+                filter.predict(&mut state.posterior, black_box(&rod), black_box(&force), DT);
+                filter.update(&mut state.posterior, black_box(&rod), DT);
             }
         }
         "observer" => {
@@ -93,6 +93,6 @@ fn main() -> Result<(), Box<dyn core::error::Error>> {
             return Err(format!("{other}: {known}").into());
         }
     }
-    println!("rod rate {:?} rad/s", state.belief.rate);
+    println!("rod rate {:?} rad/s", state.posterior.rate);
     Ok(())
 }

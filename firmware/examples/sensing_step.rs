@@ -58,7 +58,7 @@ fn main() -> Result<(), Box<dyn core::error::Error>> {
             for _ in 0..steps {
                 ukf.step(&model, &mut state, black_box(&TiltImu { x: ax, z: az, rate: 0.0 }));
             }
-            println!("tether angle {:.2} deg", state.belief.x.angle.to_degrees());
+            println!("tether angle {:.2} deg", state.posterior.x.angle.to_degrees());
         }
         "ekf4" => {
             let ekf = article_ekf(MASS, NoiseReading::PerStep, false);

@@ -130,7 +130,7 @@ single! {
     TautEstimate { planar, link_force, residual, thrust, thrust_rate, accel, rate, out_of_plane }
     TetherAngle { angle, rate, tilt }
     TetherAngleModel { thrust, length }
-    TetherAngleState { belief, slack, prior; mode, is_running }
+    TetherAngleState { posterior, slack, prior; mode, is_running }
     TetherAngleEstimate { planes, models, tension, pull }
     PendulumEstimate { position, velocity, rod, rod_rate, disturbance }
     Wrench { thrust, torque }

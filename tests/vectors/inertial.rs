@@ -4,7 +4,7 @@ use super::{Check, cases, list, num, s, vec3};
 use serde_json::Value;
 use tautline_firmware::control::{TetherAngleLoop, attachment_compensation};
 use tautline_firmware::estimate::tether_angle::{
-    Belief, NotLocated, TetherAngleMode, TetherAngleState, TetherAngleUkf, TiltFrame, locate,
+    NotLocated, Posterior, TetherAngleMode, TetherAngleState, TetherAngleUkf, TiltFrame, locate,
 };
 use tautline_firmware::frames::M3;
 use tautline_firmware::math::wrap_pi;
@@ -33,8 +33,8 @@ fn model<S: Scalar>(v: &Value) -> TetherAngleModel<S> {
     TetherAngleModel::try_new(S::lit(thrust), S::lit(length)).unwrap()
 }
 
-fn belief<S: Scalar>(v: &Value) -> Belief<S> {
-    Belief { x: triple(v, "x"), covariance: matrix(v, "P") }
+fn posterior<S: Scalar>(v: &Value) -> Posterior<S> {
+    Posterior { x: triple(v, "x"), covariance: matrix(v, "P") }
 }
 
 fn triple<S: Scalar>(v: &Value, key: &str) -> TetherAngle<S> {
@@ -113,7 +113,7 @@ pub fn singles<S: Scalar + Into<f64>>(file: &Value, bound: f64, run_bound: f64) 
     for (name, c) in cases(file, "ukf_single") {
         let i = &c["in"];
         let ukf = TetherAngleUkf { sigma: s(i, "sigma_p"), ..at_80_hz::<S>() };
-        let (m, before) = (model(i), belief(i));
+        let (m, before) = (model(i), posterior(i));
         check.all(&name, array(m.advance(&before.x, s(i, "gyro"), ukf.dt)), list(c, "rk4_of_x"));
         check.all(&name, ukf.noise_gain(&m, &before.x).iter().copied(), list(c, "Gamma"));
         let ahead = ukf.predict(&m, &before, s(i, "gyro"));
@@ -123,8 +123,8 @@ pub fn singles<S: Scalar + Into<f64>>(file: &Value, bound: f64, run_bound: f64) 
         let after = ukf.correct(&m, &ahead, [S::lit(z[0]), S::lit(z[1])]);
         check.all(&name, after.innovation.iter().copied(), list(c, "innov"));
         check.all(&name, after.innovation_covariance.iter().copied(), flat(c, "S"));
-        check.all(&name, array(after.belief.x), list(c, "x_upd"));
-        check.all(&name, row_major(&after.belief.covariance), flat(c, "P_upd"));
+        check.all(&name, array(after.posterior.x), list(c, "x_upd"));
+        check.all(&name, row_major(&after.posterior.covariance), flat(c, "P_upd"));
     }
     if let Some(run) = file.get("ukf_run") {
         recorded::<S>(run, run_bound);
@@ -202,8 +202,8 @@ fn recorded<S: Scalar + Into<f64>>(run: &Value, bound: f64) {
         assert_eq!(step["mode"], mode, "{name}");
         // Before the first start the reference has no estimate.
         if step["x"].is_array() {
-            check.all(&name, array(state.belief.x), list(step, "x"));
-            let diagonal = state.belief.covariance.diagonal();
+            check.all(&name, array(state.posterior.x), list(step, "x"));
+            let diagonal = state.posterior.covariance.diagonal();
             check.all(&name, diagonal.iter().copied(), list(step, "Pdiag"));
         }
     }

@@ -10,7 +10,7 @@ use tautline_firmware::control::pendulum::{
     guidance::Guidance,
 };
 use tautline_firmware::estimate::pendulum::{
-    PendulumBelief, PendulumCovariance, PendulumEstimate, PendulumFilter, PendulumNoise,
+    PendulumCovariance, PendulumEstimate, PendulumFilter, PendulumNoise, PendulumPosterior,
     VerticalDisturbance, VerticalDisturbanceState,
 };
 use tautline_firmware::frames::{V3, World};
@@ -270,7 +270,7 @@ fn filter<S: Scalar>(c: &Value) -> PendulumFilter<S> {
 fn state<S: Scalar + Into<f64>>(
     check: &mut Check,
     name: &str,
-    x: &PendulumBelief<S>,
+    x: &PendulumPosterior<S>,
     want: Vec<f64>,
 ) {
     check.all(name, [x.rod, x.rate, x.disturbance].iter().flatten().copied(), want);
@@ -282,20 +282,20 @@ pub fn filter_steps<S: Scalar + Into<f64>>(file: &Value, bounds: Bounds) {
     for (name, c) in cases(file, "kf_step") {
         let filter = filter::<S>(c);
         let x = list(c, "x");
-        let mut belief = PendulumBelief {
+        let mut posterior = PendulumPosterior {
             rod: three(&x[..3]),
             rate: three(&x[3..6]),
             disturbance: three(&x[6..]),
             covariance: PendulumCovariance::from_dense(&nested(&c["P"])),
         };
-        let dense = |x: &PendulumBelief<S>| x.covariance.dense().transpose();
+        let dense = |x: &PendulumPosterior<S>| x.covariance.dense().transpose();
         let dt = s(c, "dt");
-        filter.predict(&mut belief, &vec3(c, "q_interval"), &vec3(c, "f_interval"), dt);
-        state(&mut states, &name, &belief, list(&c["out"], "x_pred"));
-        covariances.all(&name, dense(&belief).iter().copied(), rows(&c["out"]["P_pred"]));
-        filter.update(&mut belief, &vec3(c, "q_meas"), dt);
-        state(&mut states, &name, &belief, list(&c["out"], "x"));
-        covariances.all(&name, dense(&belief).iter().copied(), rows(&c["out"]["P"]));
+        filter.predict(&mut posterior, &vec3(c, "q_interval"), &vec3(c, "f_interval"), dt);
+        state(&mut states, &name, &posterior, list(&c["out"], "x_pred"));
+        covariances.all(&name, dense(&posterior).iter().copied(), rows(&c["out"]["P_pred"]));
+        filter.update(&mut posterior, &vec3(c, "q_meas"), dt);
+        state(&mut states, &name, &posterior, list(&c["out"], "x"));
+        covariances.all(&name, dense(&posterior).iter().copied(), rows(&c["out"]["P"]));
     }
 }
 
@@ -318,16 +318,16 @@ pub fn filter_sequence<S: Scalar + Into<f64>>(file: &Value, bound: f64, covarian
                 -2.84 + 0.1 * (3.0 * t).sin(),
             ])
         };
-        let mut belief = filter.start(&unit(0));
+        let mut posterior = filter.start(&unit(0));
         let step = S::lit(dt);
-        filter.update(&mut belief, &unit(0), step);
+        filter.update(&mut posterior, &unit(0), step);
         for k in 1..=c["n"].as_u64().unwrap() {
             let between = (unit(k) + unit(k - 1)) * S::lit(0.5);
-            filter.predict(&mut belief, &between, &force(k - 1), step);
-            filter.update(&mut belief, &unit(k), step);
+            filter.predict(&mut posterior, &between, &force(k - 1), step);
+            filter.update(&mut posterior, &unit(k), step);
         }
-        state(&mut states, &name, &belief, list(c, "x"));
-        let p = belief.covariance.dense();
+        state(&mut states, &name, &posterior, list(c, "x"));
+        let p = posterior.covariance.dense();
         covariances.all(&name, p.diagonal().iter().copied(), list(c, "P_diag"));
         for (key, at) in [("P_0_5", (0, 5)), ("P_3_7", (3, 7))] {
             if c.get(key).is_some() {

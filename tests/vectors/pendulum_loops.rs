@@ -108,8 +108,8 @@ fn run(c: &Value) -> PendulumRun<f64> {
         start: blocks(&list(c, "P0")),
     };
     let filter = PendulumFilter { model, noise };
-    let mut belief = filter.start(&V3::zeros());
-    [belief.rod, belief.rate, belief.disturbance] = blocks(&list(c, "x0"));
+    let mut posterior = filter.start(&V3::zeros());
+    [posterior.rod, posterior.rate, posterior.disturbance] = blocks(&list(c, "x0"));
     let law = if num(o, "controller") == 0.0 {
         Flown::Backstepping(PendulumControl::try_new(gains(par), model, limits).unwrap())
     } else {
@@ -136,7 +136,7 @@ fn run(c: &Value) -> PendulumRun<f64> {
             vertical: (num(o, "e1_wn") > 0.0)
                 .then(|| VerticalDisturbance { bandwidth: num(o, "e1_wn") }),
         },
-        initial: Some(belief),
+        initial: Some(posterior),
         law,
         circle: TiltedCircle::article(num(o, "speed")),
         is_hovering: num(o, "hover") != 0.0,

@@ -53,10 +53,10 @@ impl<const PORTS: usize> Comms<PORTS> {
         }
     }
 
-    /// Hands over what the connections heard.
+    /// Hands over what the connections received.
     pub fn collect(&mut self, inbox: &mut Inbox) {
         for connection in &mut self.connections {
-            inbox.hear(connection);
+            inbox.receive(connection);
         }
     }
 

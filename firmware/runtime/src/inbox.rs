@@ -22,8 +22,8 @@ impl Inbox {
         self.sensors.merge(new);
     }
 
-    /// What a connection heard. A request that finds no room waits in the connection's own queue.
-    pub fn hear(&mut self, connection: &mut Connection) {
+    /// What a connection received. A request that finds no room waits in the connection's own queue.
+    pub fn receive(&mut self, connection: &mut Connection) {
         self.heartbeat_at = self.heartbeat_at.max(connection.heartbeat_at());
         let newest = |sticks: &Sample<Sticks>| self.sticks.is_none_or(|s| s.at < sticks.at);
         if let Some(sticks) = connection.sticks().filter(newest) {

@@ -120,10 +120,10 @@ record! {
         let [mode_x, mode_y] = angle.modes().map(|mode| mode as u8);
         Some(Self {
             timestamp: out.now.0,
-            angle: pick(|p| p.belief.x.angle),
-            angle_rate: pick(|p| p.belief.x.rate),
-            tilt: pick(|p| p.belief.x.tilt),
-            angle_sd: pick(|p| Scalar::sqrt(p.belief.covariance.m11)),
+            angle: pick(|p| p.posterior.x.angle),
+            angle_rate: pick(|p| p.posterior.x.rate),
+            tilt: pick(|p| p.posterior.x.tilt),
+            angle_sd: pick(|p| Scalar::sqrt(p.posterior.covariance.m11)),
             angle_setpoint: asked,
             tension: angle.tension,
             mode_x,

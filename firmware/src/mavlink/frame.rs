@@ -2,7 +2,7 @@
 //!
 //! The crate's reader wants a blocking source; here bytes are pushed. A candidate that fails is
 //! searched again from its second byte, so garbage never hides a frame that follows it. MAVLink 1
-//! frames are understood too: many scripts speak it until they hear version 2.
+//! frames are understood too: many scripts speak it until they receive version 2.
 
 use mavlink::dialects::common::MavMessage;
 use mavlink::{MAV_STX, MAV_STX_V2, Message, calculate_crc};
@@ -52,9 +52,9 @@ impl Frame {
     }
 }
 
-/// What one look at the buffer found.
+/// What a scan of the buffer found.
 #[expect(clippy::large_enum_variant, reason = "lives on the stack for one call")]
-enum Look {
+enum Scan {
     /// Wait for more bytes.
     More,
     /// The first byte begins no valid frame.
@@ -116,13 +116,13 @@ impl Parser {
             if rest.is_empty() {
                 break None;
             }
-            match look(rest) {
-                Look::More => break None,
-                Look::Yes(frame, used) => {
+            match scan(rest) {
+                Scan::More => break None,
+                Scan::Yes(frame, used) => {
                     skip += used;
                     break Some(frame);
                 }
-                Look::No { is_frame } => {
+                Scan::No { is_frame } => {
                     skip += 1;
                     self.garbage_bytes = self.garbage_bytes.wrapping_add(1);
                     self.bad_frames = self.bad_frames.wrapping_add(u32::from(is_frame));
@@ -139,13 +139,13 @@ impl Parser {
     }
 }
 
-fn look(bytes: &[u8]) -> Look {
+fn scan(bytes: &[u8]) -> Scan {
     match bytes {
-        [MAV_STX_V2] => Look::More,
+        [MAV_STX_V2] => Scan::More,
         [MAV_STX_V2, length, rest @ ..] => {
             let flags = rest.first().copied();
             if flags.is_some_and(|flags| flags & !SIGNED != 0) {
-                return Look::No { is_frame: false };
+                return Scan::No { is_frame: false };
             }
             let signature = if flags == Some(SIGNED) { 13 } else { 0 };
             whole(bytes, 10, usize::from(*length), signature, |h| {
@@ -155,14 +155,14 @@ fn look(bytes: &[u8]) -> Look {
                 Some((u32::from_le_bytes([*a, *b, *c, 0]), *system, *component))
             })
         }
-        [MAV_STX] => Look::More,
+        [MAV_STX] => Scan::More,
         [MAV_STX, length, ..] => whole(bytes, 6, usize::from(*length), 0, |h| {
             let [_, _, _, system, component, id] = h else {
                 return None;
             };
             Some((u32::from(*id), *system, *component))
         }),
-        _ => Look::No { is_frame: false },
+        _ => Scan::No { is_frame: false },
     }
 }
 
@@ -172,30 +172,30 @@ fn whole(
     length: usize,
     signature: usize,
     fields: impl Fn(&[u8]) -> Option<(u32, u8, u8)>,
-) -> Look {
+) -> Scan {
     let end = header + length;
     let total = end + 2 + signature;
     let (Some(head), Some(body), Some([low, high])) =
         (bytes.get(..header), bytes.get(header..end), bytes.get(end..end + 2))
     else {
-        return Look::More;
+        return Scan::More;
     };
     if bytes.len() < total {
-        return Look::More;
+        return Scan::More;
     }
     let Some((id, system, component)) = fields(head) else {
-        return Look::No { is_frame: false };
+        return Scan::No { is_frame: false };
     };
     let covered = bytes.get(1..end).unwrap_or(&[]);
     let crc = calculate_crc(covered, MavMessage::extra_crc(id));
     if crc != u16::from_le_bytes([*low, *high]) {
-        return Look::No { is_frame: true };
+        return Scan::No { is_frame: true };
     }
     let mut payload = [0; 255];
     for (to, from) in payload.iter_mut().zip(body) {
         *to = *from;
     }
-    Look::Yes(Frame { id, system, component, length: length as u8, payload }, total)
+    Scan::Yes(Frame { id, system, component, length: length as u8, payload }, total)
 }
 
 /// Sender and number of a frame.

@@ -41,7 +41,7 @@ fn speaks_px4(params: &Params) -> bool {
     params.autopilot_type as u8 == MAV_AUTOPILOT_PX4
 }
 
-/// What was heard, and what was dropped.
+/// What was received, and what was dropped.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ConnectionCounters {
     /// Valid frames for us.
@@ -89,7 +89,7 @@ impl Default for Connection {
 }
 
 impl Connection {
-    /// Nothing heard yet.
+    /// Nothing received yet.
     #[must_use]
     pub fn new() -> Self {
         Self {
@@ -115,7 +115,7 @@ impl Connection {
         for &byte in bytes {
             let mut next = self.parser.push(byte);
             while let Some(frame) = next {
-                self.hear(now, &frame, params, sink);
+                self.handle(now, &frame, params, sink);
                 next = self.parser.pending();
             }
         }
@@ -127,7 +127,7 @@ impl Connection {
     pub fn receive_datagram(&mut self, now: Micros, bytes: &[u8], params: &Params, sink: Sink) {
         self.receive(now, bytes, params, sink);
         while let Some(frame) = self.parser.flush() {
-            self.hear(now, &frame, params, sink);
+            self.handle(now, &frame, params, sink);
         }
         self.counters.garbage_bytes = self.parser.garbage_bytes;
     }
@@ -154,7 +154,7 @@ impl Connection {
         core::mem::take(&mut self.sensors)
     }
 
-    /// What was heard and dropped.
+    /// What was received and dropped.
     #[must_use]
     pub fn counters(&self) -> ConnectionCounters {
         self.counters

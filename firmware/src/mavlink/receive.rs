@@ -23,7 +23,7 @@ const FTP_NAK: u8 = 129;
 const FTP_FILE_NOT_FOUND: u8 = 10;
 
 impl Connection {
-    pub(super) fn hear(&mut self, now: Micros, frame: &Frame, params: &Params, sink: Sink) {
+    pub(super) fn handle(&mut self, now: Micros, frame: &Frame, params: &Params, sink: Sink) {
         if frame.system == self.system && frame.component == COMPONENT_AUTOPILOT {
             return;
         }

@@ -145,8 +145,8 @@ impl<S: Scalar> FlightMode<S> for TetherAngle<S> {
             let ([plane_x, plane_y], [model_x, model_y]) =
                 (&self.estimate.planes, &self.estimate.models);
             self.tilt_rates = [
-                config.control.step(model_x, x, &plane_x.belief.x).rate,
-                config.control.step(model_y, y, &plane_y.belief.x).rate,
+                config.control.step(model_x, x, &plane_x.posterior.x).rate,
+                config.control.step(model_y, y, &plane_y.posterior.x).rate,
             ];
         }
         let step = cx.config.constants.weight * S::lit(THRUST_RATE * OUTER_DT);

@@ -203,10 +203,10 @@ pub fn single(meter: &mut Meter) {
     let force = V3::new(0.1, 0.0, -2.8);
     let Some((mut state, first)) = observer.start(&z) else { return };
     meter.measure("pendulum filter, predict 9 states", scalar, || {
-        filter.predict(&mut state.belief, black_box(&rod), black_box(&force), DT);
+        filter.predict(&mut state.posterior, black_box(&rod), black_box(&force), DT);
     });
     meter.measure("pendulum filter, 4 scalar updates", scalar, || {
-        filter.update(&mut state.belief, black_box(&rod), DT);
+        filter.update(&mut state.posterior, black_box(&rod), DT);
     });
     meter.measure("pendulum observer", scalar, || {
         let _ = black_box(observer.step(&mut state, black_box(&z), DT));

@@ -27,7 +27,7 @@ pub fn all(meter: &mut Meter) {
     let mut heartbeat = MAVLinkV2MessageRaw::new();
     heartbeat.serialize_message_data(header, &HEARTBEAT_DATA::default());
     let (mut connection, params) = (Connection::new(), Params::default());
-    meter.measure("MAVLink hear HEARTBEAT", "f32", || {
+    meter.measure("MAVLink receive HEARTBEAT", "f32", || {
         connection.receive(Micros(0), black_box(heartbeat.raw_bytes()), &params, &mut |_| {});
     });
 }

@@ -149,13 +149,13 @@ impl<S: Scalar> PlanarLoop<S> {
             }
             (None, None) => (state.applied, state.thrust.thrust, state.mean_rate),
         };
-        let heard = HighGainInput {
+        let input_now = HighGainInput {
             imu: input.imu,
             thrust_measured: measured,
             thrust_now: now,
             thrust_rate: rate,
         };
-        self.observer.step(&mut next.observer, &heard)?;
+        self.observer.step(&mut next.observer, &input_now)?;
         let x = input.state.unwrap_or_else(|| next.observer.estimate().state);
 
         let is_held = next.time < self.hold_off;

@@ -75,7 +75,7 @@ impl<S: Scalar> PendulumNoise<S> {
 
 /// What it believes.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PendulumBelief<S: Scalar> {
+pub struct PendulumPosterior<S: Scalar> {
     /// Unit vector vehicle → load, world axes.
     pub rod: V3<S>,
     /// Angular rate of the rod, world axes, rad/s.
@@ -102,9 +102,9 @@ const VERTICAL_CAP: f64 = 10.0;
 impl<S: Scalar> PendulumFilter<S> {
     /// From the first measured direction, at rest and undisturbed, before any update.
     #[must_use]
-    pub fn start(&self, rod: &V3<S>) -> PendulumBelief<S> {
+    pub fn start(&self, rod: &V3<S>) -> PendulumPosterior<S> {
         let [direction, rate, disturbance] = &self.noise.start;
-        PendulumBelief {
+        PendulumPosterior {
             rod: *rod,
             rate: V3::zeros(),
             disturbance: V3::zeros(),
@@ -112,9 +112,9 @@ impl<S: Scalar> PendulumFilter<S> {
         }
     }
 
-    /// Carries the belief over `dt` s, in which the rod stood at `rod` (any length near 1) and the force
+    /// Carries the posterior over `dt` s, in which the rod stood at `rod` (any length near 1) and the force
     /// other than gravity, rod and disturbance was `force`, N, world axes.
-    pub fn predict(&self, x: &mut PendulumBelief<S>, rod: &V3<S>, force: &V3<S>, dt: S) {
+    pub fn predict(&self, x: &mut PendulumPosterior<S>, rod: &V3<S>, force: &V3<S>, dt: S) {
         let n = rod * dt;
         let push = x.disturbance + force * (S::one() / self.model.lever());
         let kick = so3::cross(&n, &push);
@@ -126,7 +126,7 @@ impl<S: Scalar> PendulumFilter<S> {
     }
 
     /// Corrects by a measured direction; `dt` s have passed since the one before.
-    pub fn update(&self, x: &mut PendulumBelief<S>, rod: &V3<S>, dt: S) {
+    pub fn update(&self, x: &mut PendulumPosterior<S>, rod: &V3<S>, dt: S) {
         let per = S::one() / dt;
         let axes = [V3::x(), V3::y(), V3::z()];
         for (axis, intensity) in axes.into_iter().zip(self.noise.rod.iter()) {
@@ -146,10 +146,10 @@ impl<S: Scalar> PendulumFilter<S> {
     /// `dt` s ahead, and correction where a direction was measured so many s after the one before.
     ///
     /// # Errors
-    /// [`Fault::NotFinite`] for an input or result that is not; the belief is untouched.
+    /// [`Fault::NotFinite`] for an input or result that is not; the posterior is untouched.
     pub fn step(
         &self,
-        x: &mut PendulumBelief<S>,
+        x: &mut PendulumPosterior<S>,
         interval: (&V3<S>, &V3<S>),
         reading: Option<(&V3<S>, S)>,
         dt: S,
@@ -170,7 +170,7 @@ impl<S: Scalar> PendulumFilter<S> {
     }
 }
 
-impl<S: Scalar> PendulumBelief<S> {
+impl<S: Scalar> PendulumPosterior<S> {
     fn take(&mut self, column: &[V3<S>; 3], innovation: S, variance: S) {
         let inverse = S::one() / variance;
         let gain = innovation * inverse;

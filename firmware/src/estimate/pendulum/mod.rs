@@ -14,6 +14,6 @@ mod observer;
 mod vertical;
 
 pub use covariance::PendulumCovariance;
-pub use filter::{PendulumBelief, PendulumFilter, PendulumNoise};
+pub use filter::{PendulumFilter, PendulumNoise, PendulumPosterior};
 pub use observer::{PendulumEstimate, PendulumObserver, PendulumObserverState, PendulumReading};
 pub use vertical::{VerticalDisturbance, VerticalDisturbanceState};

@@ -1,6 +1,6 @@
 //! Filter, vertical disturbance and load velocity, one call per motion-capture sample.
 
-use super::filter::{PendulumBelief, PendulumFilter};
+use super::filter::{PendulumFilter, PendulumPosterior};
 use super::vertical::{VerticalDisturbance, VerticalDisturbanceState};
 use crate::fault::{Fault, all_finite};
 use crate::frames::{V3, World};
@@ -40,7 +40,7 @@ pub struct PendulumObserver<S: Scalar> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PendulumObserverState<S: Scalar> {
     /// The filter's.
-    pub belief: PendulumBelief<S>,
+    pub posterior: PendulumPosterior<S>,
     /// E1's.
     pub vertical: VerticalDisturbanceState<S>,
     /// Last direction: measured, or else believed.
@@ -71,21 +71,21 @@ impl<S: Scalar> PendulumObserver<S> {
         z: &PendulumReading<S>,
     ) -> Option<(PendulumObserverState<S>, PendulumEstimate<S>)> {
         let rod = unit(z.rod.as_ref()?)?;
-        let belief = self.filter.start(&rod);
-        self.start_from(belief, z)
+        let posterior = self.filter.start(&rod);
+        self.start_from(posterior, z)
     }
 
-    /// From a given belief, corrected by the first sample.
+    /// From a given posterior, corrected by the first sample.
     #[must_use]
     pub fn start_from(
         &self,
-        mut belief: PendulumBelief<S>,
+        mut posterior: PendulumPosterior<S>,
         z: &PendulumReading<S>,
     ) -> Option<(PendulumObserverState<S>, PendulumEstimate<S>)> {
         let rod = unit(z.rod.as_ref()?)?;
-        self.filter.update(&mut belief, &rod, z.rod_period);
+        self.filter.update(&mut posterior, &rod, z.rod_period);
         let vertical = VerticalDisturbanceState::default();
-        let mut state = PendulumObserverState { belief, vertical, rod, down: z.down.0 };
+        let mut state = PendulumObserverState { posterior, vertical, rod, down: z.down.0 };
         let estimate = self.estimate(&state, z);
         state.vertical.velocity = estimate.velocity.0.z;
         Some((state, estimate))
@@ -106,11 +106,11 @@ impl<S: Scalar> PendulumObserver<S> {
         let mut next = *state;
         let reading = z.rod.as_ref().and_then(unit);
         let half = S::lit(0.5);
-        let rod = reading.map_or(state.belief.rod, |now| (now + state.rod) * half);
+        let rod = reading.map_or(state.posterior.rod, |now| (now + state.rod) * half);
         let timed = reading.as_ref().map(|rod| (rod, z.rod_period));
         let force = (z.down.0 + state.down) * (-z.thrust * half);
-        self.filter.step(&mut next.belief, (&rod, &force), timed, dt)?;
-        let believed = so3::direction(&next.belief.rod, S::lit(DIRECTION_FLOOR));
+        self.filter.step(&mut next.posterior, (&rod, &force), timed, dt)?;
+        let believed = so3::direction(&next.posterior.rod, S::lit(DIRECTION_FLOOR));
         next.rod = reading.or(believed.map(|(rod, _)| rod)).ok_or(Fault::Degenerate)?;
         next.down = z.down.0;
         if let Some(vertical) = &self.vertical {
@@ -135,8 +135,8 @@ impl<S: Scalar> PendulumObserver<S> {
         z: &PendulumReading<S>,
     ) -> PendulumEstimate<S> {
         let model = &self.filter.model;
-        let rod_rate = so3::reject(&state.belief.rate, &state.rod);
-        let mut disturbance = state.belief.disturbance * model.lever();
+        let rod_rate = so3::reject(&state.posterior.rate, &state.rod);
+        let mut disturbance = state.posterior.disturbance * model.lever();
         if self.vertical.is_some() {
             disturbance.z = state.vertical.force;
         }

@@ -161,19 +161,19 @@ impl<S: Scalar> TautEstimator<S> {
             TautPurpose::Force => &self.force,
             TautPurpose::Attitude => &self.attitude,
         };
-        let heard = HighGainInput {
+        let input_now = HighGainInput {
             imu: planar,
             thrust_measured: in_plane,
             thrust_now: in_plane,
             thrust_rate,
         };
         let now = state.observer.get_or_insert_with(|| observer.quasi_static(&planar, in_plane));
-        if observer.step(now, &heard).is_err() {
+        if observer.step(now, &input_now).is_err() {
             return;
         }
         let seen = now.estimate();
         if let Some(out_of_plane) = &mut state.out_of_plane {
-            let heard = OutOfPlaneInput {
+            let input_now = OutOfPlaneInput {
                 gyro: Body(gyro),
                 across: accel.y,
                 thrust: thrust / self.mass,
@@ -181,7 +181,7 @@ impl<S: Scalar> TautEstimator<S> {
                 planar: seen.state,
                 length: self.length,
             };
-            self.out_of_plane.step(out_of_plane, &heard);
+            self.out_of_plane.step(out_of_plane, &input_now);
         }
         state.estimate = Some(TautEstimate {
             planar: seen.state,

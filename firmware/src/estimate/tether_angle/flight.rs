@@ -125,7 +125,7 @@ impl<S: Scalar> TetherAngleEstimator<S> {
     }
 
     /// One outer step. `imu` averaged over it, bias removed; `thrust` acting, N; `attitude` for its heading.
-    /// A reading that is not finite is reckoned through. Whether a plane's filter had its turn, which is dear.
+    /// A reading that is not finite is dead-reckoned. Whether a plane's filter had its turn, which is dear.
     pub fn step(
         &self,
         state: &mut TetherAngleEstimatorState<S>,
@@ -219,7 +219,7 @@ impl<S: Scalar> TetherAngleEstimate<S> {
     #[must_use]
     pub fn angles(&self) -> [S; 2] {
         let [x, y] = &self.planes;
-        [x.belief.x.angle, y.belief.x.angle]
+        [x.posterior.x.angle, y.posterior.x.angle]
     }
 
     /// What each plane did with its last sample.

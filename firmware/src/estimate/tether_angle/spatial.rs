@@ -113,14 +113,14 @@ impl<S: Scalar> TetherAnglesState<S> {
     #[must_use]
     pub fn tilts(&self) -> [S; 2] {
         let [x, y] = &self.planes;
-        [x.belief.x.tilt, y.belief.x.tilt]
+        [x.posterior.x.tilt, y.posterior.x.tilt]
     }
 
     /// Tether angle estimates, rad.
     #[must_use]
     pub fn angles(&self) -> [S; 2] {
         let [x, y] = &self.planes;
-        [x.belief.x.angle, y.belief.x.angle]
+        [x.posterior.x.angle, y.posterior.x.angle]
     }
 
     /// Both planes may be flown on.
@@ -190,7 +190,7 @@ impl<S: Scalar> TetherAngles<S> {
         let PlaneReading { model, force, rate } = *reading;
         match force {
             Some([x, z]) => self.ukf.step(&model, plane, &TiltImu { x, z, rate }),
-            None => self.ukf.reckon(&model, plane, rate),
+            None => self.ukf.dead_reckon(&model, plane, rate),
         }
     }
 
@@ -214,7 +214,7 @@ impl<S: Scalar> TetherAngles<S> {
 pub struct PlaneReading<S> {
     /// Thrust and length as the plane sees them.
     pub model: TetherAngleModel<S>,
-    /// m/s²; `None`: reckon through.
+    /// m/s²; `None`: dead-reckoned.
     pub force: Option<[S; 2]>,
     /// Of the tilt, rad/s.
     pub rate: S,

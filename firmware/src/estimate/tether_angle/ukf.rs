@@ -73,18 +73,18 @@ pub enum TetherAngleMode {
 
 /// Estimate and covariance, order angle, rate, tilt.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Belief<S: Scalar> {
+pub struct Posterior<S: Scalar> {
     /// rad, rad/s, rad.
     pub x: TetherAngle<S>,
     /// Symmetric; in fixed point 64² times as large.
     pub covariance: M3<S>,
 }
 
-impl<S: Scalar> Single for Belief<S> {
-    type Single = Belief<f32>;
-    fn single(&self) -> Belief<f32> {
+impl<S: Scalar> Single for Posterior<S> {
+    type Single = Posterior<f32>;
+    fn single(&self) -> Posterior<f32> {
         let fine = fine::<S>().to_f32();
-        Belief { x: self.x.single(), covariance: self.covariance.single() / (fine * fine) }
+        Posterior { x: self.x.single(), covariance: self.covariance.single() / (fine * fine) }
     }
 }
 
@@ -92,7 +92,7 @@ impl<S: Scalar> Single for Belief<S> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Corrected<S: Scalar> {
     /// After it.
-    pub belief: Belief<S>,
+    pub posterior: Posterior<S>,
     /// Measured minus expected specific force, m/s².
     pub innovation: Vector2<S>,
     /// Its covariance.
@@ -103,7 +103,7 @@ pub struct Corrected<S: Scalar> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TetherAngleState<S: Scalar> {
     /// The last estimate, also after it is lost.
-    pub belief: Belief<S>,
+    pub posterior: Posterior<S>,
     /// What was done with the last sample.
     pub mode: TetherAngleMode,
     pub(crate) is_running: bool,
@@ -116,7 +116,7 @@ impl<S: Scalar> TetherAngleState<S> {
     #[must_use]
     pub fn with_prior(tilt: S) -> Self {
         Self {
-            belief: Belief {
+            posterior: Posterior {
                 x: TetherAngle { tilt, ..TetherAngle::default() },
                 covariance: M3::zeros(),
             },
@@ -138,7 +138,7 @@ impl<S: Scalar> TetherAngleState<S> {
     pub fn known(x: TetherAngle<S>, deviations: [S; 3]) -> Self {
         let [angle, rate, tilt] = deviations.map(|d| d * fine::<S>()).map(|d| d * d);
         Self {
-            belief: Belief { x, covariance: M3::from_diagonal(&V3::new(angle, rate, tilt)) },
+            posterior: Posterior { x, covariance: M3::from_diagonal(&V3::new(angle, rate, tilt)) },
             mode: TetherAngleMode::Started,
             is_running: true,
             slack: S::zero(),
@@ -176,10 +176,10 @@ fn root<S: Scalar>(p: &M3<S>) -> [V3<S>; 3] {
 }
 
 /// x ± sqrt(3) times each column of the root of P.
-fn points<S: Scalar>(belief: &Belief<S>) -> [V3<S>; POINTS] {
-    let x = vector(&belief.x);
+fn points<S: Scalar>(posterior: &Posterior<S>) -> [V3<S>; POINTS] {
+    let x = vector(&posterior.x);
     let coarse = S::lit(SQRT_3) / fine();
-    let [a, b, c] = root(&belief.covariance).map(|column| column * coarse);
+    let [a, b, c] = root(&posterior.covariance).map(|column| column * coarse);
     [x + a, x - a, x + b, x - b, x + c, x - c]
 }
 
@@ -201,19 +201,20 @@ impl<S: Scalar> TetherAngleUkf<S> {
     pub fn predict(
         &self,
         model: &TetherAngleModel<S>,
-        belief: &Belief<S>,
+        posterior: &Posterior<S>,
         tilt_rate: S,
-    ) -> Belief<S> {
+    ) -> Posterior<S> {
         let share = S::lit(1.0 / POINTS as f64);
-        let ahead = points(belief).map(|p| vector(&model.advance(&state(&p), tilt_rate, self.dt)));
+        let ahead =
+            points(posterior).map(|p| vector(&model.advance(&state(&p), tilt_rate, self.dt)));
         let mean = ahead.iter().fold(V3::zeros(), |sum, p| sum + p) * share;
-        let noise = self.noise_gain(model, &belief.x) * (self.sigma * fine());
+        let noise = self.noise_gain(model, &posterior.x) * (self.sigma * fine());
         let mut covariance = noise * noise.transpose();
         for p in &ahead {
             let d = (p - mean) * fine::<S>();
             covariance += (d * share) * d.transpose();
         }
-        Belief { x: state(&mean), covariance }
+        Posterior { x: state(&mean), covariance }
     }
 
     /// Correction by the specific force along body x and z, m/s².
@@ -221,11 +222,11 @@ impl<S: Scalar> TetherAngleUkf<S> {
     pub fn correct(
         &self,
         model: &TetherAngleModel<S>,
-        belief: &Belief<S>,
+        posterior: &Posterior<S>,
         force: [S; 2],
     ) -> Corrected<S> {
         let share = S::lit(1.0 / POINTS as f64);
-        let points = points(belief);
+        let points = points(posterior);
         let expected = points.map(|p| {
             let x = state(&p);
             let [ax, az] = model.specific_force(&x, model.tension(&x, [S::zero(); 2]));
@@ -234,7 +235,7 @@ impl<S: Scalar> TetherAngleUkf<S> {
         let mean = expected.iter().fold(Vector2::zeros(), |sum, z| sum + z) * share;
         let [rxx, rxz, rzz] = self.accel_noise;
         let mut s = Matrix2::new(rxx, rxz, rxz, rzz);
-        let x = vector(&belief.x);
+        let x = vector(&posterior.x);
         let (mut cross_x, mut cross_z) = (V3::zeros(), V3::zeros());
         for (p, z) in points.iter().zip(&expected) {
             let (dx, dz) = ((p - x) * (share * fine()), z - mean);
@@ -250,9 +251,9 @@ impl<S: Scalar> TetherAngleUkf<S> {
         let moved = x + (k_x * innovation.x + k_z * innovation.y) / fine::<S>();
         // K S Kᵀ = C Kᵀ; half of it and of its transpose, so that the result stays symmetric.
         let shrink = cross_x * k_x.transpose() + cross_z * k_z.transpose();
-        let covariance = belief.covariance - (shrink + shrink.transpose()) * S::lit(0.5);
+        let covariance = posterior.covariance - (shrink + shrink.transpose()) * S::lit(0.5);
         Corrected {
-            belief: Belief { x: state(&moved), covariance },
+            posterior: Posterior { x: state(&moved), covariance },
             innovation,
             innovation_covariance: s,
         }
@@ -272,7 +273,7 @@ impl<S: Scalar> TetherAngleUkf<S> {
     }
 
     /// One period without a specific force.
-    pub fn reckon(
+    pub fn dead_reckon(
         &self,
         model: &TetherAngleModel<S>,
         filter: &mut TetherAngleState<S>,
@@ -301,13 +302,13 @@ impl<S: Scalar> TetherAngleUkf<S> {
             };
             return;
         }
-        let mut next = self.predict(model, &filter.belief, rate);
+        let mut next = self.predict(model, &filter.posterior, rate);
         let pull = |[x, z]: &[S; 2]| {
             let along = *z - model.thrust;
             (*x * *x + along * along).sqrt()
         };
         if let Some(force) = force.filter(|force| pull(force) > self.tension_floor) {
-            next = self.correct(model, &next, force).belief;
+            next = self.correct(model, &next, force).posterior;
             filter.slack = S::zero();
             filter.mode = TetherAngleMode::Updated;
         } else {
@@ -316,12 +317,12 @@ impl<S: Scalar> TetherAngleUkf<S> {
         }
         let is_sane = vector(&next.x).iter().chain(next.covariance.iter()).all(|v| v.is_finite());
         if is_sane {
-            filter.belief = next;
+            filter.posterior = next;
         }
         if !is_sane || filter.slack > self.slack_max {
             filter.mode = TetherAngleMode::Lost;
             filter.is_running = false;
-            filter.prior = filter.belief.x.tilt;
+            filter.prior = filter.posterior.x.tilt;
         }
     }
 }

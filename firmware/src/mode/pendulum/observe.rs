@@ -1,4 +1,4 @@
-//! The observer in the delayed past, and its belief carried to the present.
+//! The observer in the delayed past, and its posterior carried to the present.
 
 use super::PendulumConfig;
 use crate::estimate::capture::MEMORY;

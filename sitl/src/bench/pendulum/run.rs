@@ -7,7 +7,7 @@ use nalgebra::{Matrix3, Vector3};
 use std::collections::VecDeque;
 use tautline_firmware::control::pendulum::{LinearPendulum, PendulumControl, PendulumMemory};
 use tautline_firmware::estimate::pendulum::{
-    PendulumBelief, PendulumEstimate, PendulumObserver, PendulumObserverState, PendulumReading,
+    PendulumEstimate, PendulumObserver, PendulumObserverState, PendulumPosterior, PendulumReading,
 };
 use tautline_firmware::frames::{Attitude, V3, World};
 use tautline_firmware::scalar::Scalar;
@@ -57,7 +57,7 @@ pub struct PendulumRun<S: Scalar> {
     /// The core's estimator.
     pub observer: PendulumObserver<S>,
     /// Its initial estimate; `None`: from the first measured direction.
-    pub initial: Option<PendulumBelief<S>>,
+    pub initial: Option<PendulumPosterior<S>>,
     /// The core's controller.
     pub law: Flown<S>,
     /// The reference.
@@ -188,7 +188,7 @@ impl<S: Scalar + Into<f64>> PendulumRun<S> {
             };
             let estimate = x;
             if let Some(state) = observer.as_ref().filter(|_| self.uses_filtered_rod) {
-                x.rod = World(state.belief.rod / S::lit(up(&state.belief.rod).norm()));
+                x.rod = World(state.posterior.rod / S::lit(up(&state.posterior.rod).norm()));
             }
             if self.ignores_disturbance {
                 x.disturbance = World(V3::zeros());

@@ -112,12 +112,12 @@ pub fn fly(s: &AngleScenario, seed: u64) -> Result<AngleTrace, String> {
             gyro_sum = 0.0;
             let [x, z] = filtered;
             ukf.step(&nominal, &mut filter, &TiltImu { x, z, rate: gyro });
-            let c = &filter.belief.covariance;
+            let c = &filter.posterior.covariance;
             let row = AngleRow {
                 time,
                 reference,
                 truth,
-                estimate: filter.belief.x,
+                estimate: filter.posterior.x,
                 deviation: [c.m11, c.m22, c.m33].map(f64::sqrt),
                 mode: filter.mode,
                 tension: plane.tension,
@@ -127,7 +127,7 @@ pub fn fly(s: &AngleScenario, seed: u64) -> Result<AngleTrace, String> {
         }
         if tick.is_multiple_of(CONTROL_EVERY) {
             let x = match s.feedback {
-                AngleFeedback::Estimate => filter.belief.x,
+                AngleFeedback::Estimate => filter.posterior.x,
                 AngleFeedback::State => truth,
             };
             acting.rate = control.step(&nominal, reference, &x).rate;

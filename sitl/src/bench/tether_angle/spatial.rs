@@ -192,7 +192,7 @@ pub fn fly_spatial(s: &AngleScenario, seed: u64) -> Result<SpatialTrace, String>
             let rates = std::array::from_fn(|i| {
                 let plane = &state.planes[i];
                 if plane.is_running() {
-                    control.step(&models[i], reference[i], &plane.belief.x).rate
+                    control.step(&models[i], reference[i], &plane.posterior.x).rate
                 } else {
                     0.0
                 }

@@ -65,12 +65,12 @@ pub fn simulation(settings: &Overrides) -> Result<Report, String> {
     }
     let cold = wrong_start(settings, &base)?;
     report.add(
-        "start from a belief turned over (as printed): largest tilt, deg",
+        "start from a posterior turned over (as printed): largest tilt, deg",
         cold.summary.tilt_peak.to_degrees(),
         Compare::Near { value: 147.0, share: 0.1, slack: 0.0 },
     );
     report.add(
-        "start from a belief turned over (as printed): mean error, cm",
+        "start from a posterior turned over (as printed): mean error, cm",
         100.0 * cold.summary.error_mean,
         Compare::Claim("survives a large initial estimation error", !cold.summary.is_lost()),
     );

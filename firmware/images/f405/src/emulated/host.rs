@@ -66,7 +66,7 @@ impl Host {
     }
 
     /// The bytes of the reply; nothing when the host has gone.
-    fn hear(&mut self) -> Option<&[u8]> {
+    fn receive(&mut self) -> Option<&[u8]> {
         let mut filled = 0;
         loop {
             let room = self.buffer.get_mut(filled..)?;
@@ -95,7 +95,7 @@ pub fn post(request: &Request) {
 pub fn request<T>(request: &Request, then: impl FnOnce(Option<Reply>) -> T) -> T {
     with(|host| {
         host.send(request);
-        then(host.hear().and_then(|bytes| postcard::from_bytes(bytes).ok()))
+        then(host.receive().and_then(|bytes| postcard::from_bytes(bytes).ok()))
     })
 }
 
@@ -104,7 +104,7 @@ pub fn advance() -> Option<(bool, Option<Injury>)> {
     with(|host| {
         host.send(&Request::Advance);
         let mut copy = [0; MAX_MESSAGE];
-        let bytes = host.hear()?;
+        let bytes = host.receive()?;
         let length = bytes.len();
         copy.get_mut(..length)?.copy_from_slice(bytes);
         match postcard::from_bytes(copy.get(..length)?) {
