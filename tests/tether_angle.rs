@@ -5,8 +5,8 @@
 use std::f64::consts::FRAC_PI_6;
 use tautline_firmware::control::TetherAngleLoop;
 use tautline_firmware::estimate::tether_angle::{
-    NotLocated, TENSION_FLOOR, TetherAngleEstimator, TetherAngleMode, TetherAngleState,
-    TetherAngleUkf, locate, plane_angles,
+    NotLocated, TENSION_FLOOR, TetherAngleEstimator, TetherAngleState, TetherAngleUkf, UkfStage,
+    locate, plane_angles,
 };
 use tautline_firmware::frames::{Attitude, Body, V3, World};
 use tautline_firmware::model::{TetherAngle, TetherAngleModel, TiltImu};
@@ -96,12 +96,12 @@ fn a_slack_second_is_reckoned_through_and_then_lost() {
     let slack = TiltImu { x: 0.0, z: THRUST, rate: 0.0 };
     for _ in 0..80 {
         ukf.step(&model(), &mut state, &slack);
-        assert_eq!(state.mode, TetherAngleMode::DeadReckoning);
+        assert_eq!(state.mode, UkfStage::DeadReckoning);
     }
     ukf.step(&model(), &mut state, &slack);
-    assert_eq!((state.mode, state.is_running()), (TetherAngleMode::Lost, false));
+    assert_eq!((state.mode, state.is_running()), (UkfStage::Lost, false));
     ukf.step(&model(), &mut state, &TiltImu { x: ax, z: az, rate: 0.0 });
-    assert_eq!((state.mode, state.is_running()), (TetherAngleMode::Started, true));
+    assert_eq!((state.mode, state.is_running()), (UkfStage::Started, true));
 }
 
 #[test]
@@ -130,7 +130,7 @@ fn the_vehicles_estimator_reckons_through_readings_that_are_no_numbers() {
             estimator.step(&mut state, &good, bad, &attitude);
         }
         let now = estimator.estimate(&state, &attitude);
-        assert_eq!(now.modes(), [TetherAngleMode::DeadReckoning; 2]);
+        assert_eq!(now.modes(), [UkfStage::DeadReckoning; 2]);
         assert!(now.is_running() && now.pull.is_finite());
         for _ in 0..250 {
             estimator.step(&mut state, &good, thrust, &attitude);

@@ -4,7 +4,7 @@ use super::{Check, cases, list, num, s, vec3};
 use serde_json::Value;
 use tautline_firmware::control::{TetherAngleLoop, attachment_compensation};
 use tautline_firmware::estimate::tether_angle::{
-    NotLocated, Posterior, TetherAngleMode, TetherAngleState, TetherAngleUkf, TiltFrame, locate,
+    NotLocated, Posterior, TetherAngleState, TetherAngleUkf, TiltFrame, UkfStage, locate,
 };
 use tautline_firmware::frames::M3;
 use tautline_firmware::math::wrap_pi;
@@ -193,11 +193,11 @@ fn recorded<S: Scalar + Into<f64>>(run: &Value, bound: f64) {
         };
         ukf.step(&m, &mut state, &imu);
         let mode = match state.mode {
-            TetherAngleMode::Uninitialised => "uninit",
-            TetherAngleMode::Started => "init",
-            TetherAngleMode::Updated => "update",
-            TetherAngleMode::DeadReckoning => "dead",
-            TetherAngleMode::Lost => "lost",
+            UkfStage::Uninitialised => "uninit",
+            UkfStage::Started => "init",
+            UkfStage::Updated => "update",
+            UkfStage::DeadReckoning => "dead",
+            UkfStage::Lost => "lost",
         };
         assert_eq!(step["mode"], mode, "{name}");
         // Before the first start the reference has no estimate.

@@ -34,10 +34,16 @@ pub enum Progress {
     Failed(String),
 }
 
-fn taut_mode(control: TautControl) -> Mode {
-    match control {
-        TautControl::Force => Mode::TautForce,
-        TautControl::Attitude => Mode::TautAttitude,
+/// The mode that a step asks for and waits for.
+fn mode_of(step: &Step) -> Option<Mode> {
+    match step {
+        Step::Taut { control: TautControl::Force } => Some(Mode::TautForce),
+        Step::Taut { control: TautControl::Attitude } => Some(Mode::TautAttitude),
+        Step::TetherHold => Some(Mode::TetherHold),
+        Step::TetherAngle => Some(Mode::TetherAngle),
+        Step::Pendulum => Some(Mode::Pendulum),
+        Step::Altitude => Some(Mode::Altitude),
+        _ => None,
     }
 }
 
@@ -193,6 +199,9 @@ impl MissionRunner {
     }
 
     fn is_done(&self, step: &Step, status: &Status, waited: f64) -> bool {
+        if let Some(mode) = mode_of(step) {
+            return status.is_in(mode);
+        }
         match step {
             Step::Arm => status.is_armed,
             Step::Takeoff { .. } => status.is_in(Mode::TetherHold) && status.is_in_air,
@@ -201,19 +210,20 @@ impl MissionRunner {
                 let rests = status.reference_speed.is_some_and(|speed| speed < 1e-3);
                 self.commanded_at.is_some() && waited > 2.0 && rests
             }
-            Step::Taut { control } => status.is_in(taut_mode(*control)),
             Step::TautMove { elevation: [_, to], second: [_, second], duration, .. } => {
                 waited > *duration
                     && taut_rest(status)
                         .is_some_and(|(phi, y)| is_at(phi, *to) && is_at(y, *second))
             }
-            Step::TetherHold => status.is_in(Mode::TetherHold),
-            Step::TetherAngle => status.is_in(Mode::TetherAngle),
-            Step::Pendulum => status.is_in(Mode::Pendulum),
-            Step::Altitude => status.is_in(Mode::Altitude),
             Step::Excite { seconds, .. } => waited >= *seconds,
             Step::WalkAnchor { .. } | Step::CatchRod => true,
             Step::Land | Step::AwaitDisarmed { .. } => !status.is_armed,
+            // Those that wait for their mode.
+            Step::Taut { .. }
+            | Step::TetherHold
+            | Step::TetherAngle
+            | Step::Pendulum
+            | Step::Altitude => false,
         }
     }
 
@@ -252,27 +262,6 @@ impl MissionRunner {
                 ];
                 MavCmd::MAV_CMD_USER_1
             }
-            Step::Taut { control } => {
-                set_mode(&mut p, taut_mode(*control));
-                MavCmd::MAV_CMD_DO_SET_MODE
-            }
-            Step::TetherHold => {
-                set_mode(&mut p, Mode::TetherHold);
-                MavCmd::MAV_CMD_DO_SET_MODE
-            }
-            Step::TetherAngle => {
-                set_mode(&mut p, Mode::TetherAngle);
-                MavCmd::MAV_CMD_DO_SET_MODE
-            }
-            Step::Pendulum => {
-                set_mode(&mut p, Mode::Pendulum);
-                MavCmd::MAV_CMD_DO_SET_MODE
-            }
-            Step::Altitude => {
-                self.sticks = Some([0.0; 3]);
-                set_mode(&mut p, Mode::Altitude);
-                MavCmd::MAV_CMD_DO_SET_MODE
-            }
             Step::TautMove { elevation: [from, to], second: [y_from, y_to], control, duration } => {
                 // Again until it is accepted and flown.
                 let is_there = |(phi, y)| is_at(phi, *to) && is_at(y, *y_to);
@@ -298,6 +287,18 @@ impl MissionRunner {
                     return false;
                 }
                 MavCmd::MAV_CMD_NAV_LAND
+            }
+            Step::Taut { .. }
+            | Step::TetherHold
+            | Step::TetherAngle
+            | Step::Pendulum
+            | Step::Altitude => {
+                if matches!(step, Step::Altitude) {
+                    self.sticks = Some([0.0; 3]);
+                }
+                let Some(mode) = mode_of(step) else { return false };
+                set_mode(&mut p, mode);
+                MavCmd::MAV_CMD_DO_SET_MODE
             }
             Step::Hold { .. }
             | Step::Excite { .. }

@@ -2,7 +2,7 @@
 //! rate. `inertial` section 8, `flight` section 6.
 
 use super::spatial::{PlaneReading, TetherAngles, TetherAnglesState};
-use super::ukf::{TetherAngleMode, TetherAngleState, TetherAngleUkf};
+use super::ukf::{TetherAngleState, TetherAngleUkf, UkfStage};
 use crate::fault::Invalid;
 use crate::frames::{Attitude, Body, V3, World};
 use crate::math::filter::first_order;
@@ -224,7 +224,7 @@ impl<S: Scalar> TetherAngleEstimate<S> {
 
     /// What each plane did with its last sample.
     #[must_use]
-    pub fn modes(&self) -> [TetherAngleMode; 2] {
+    pub fn modes(&self) -> [UkfStage; 2] {
         let [x, y] = &self.planes;
         [x.mode, y.mode]
     }

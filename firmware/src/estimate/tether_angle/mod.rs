@@ -15,4 +15,4 @@ pub use flight::{
 };
 pub use minimal::{Located, NotLocated, TENSION_FLOOR, locate};
 pub use spatial::{PlaneReading, TetherAngles, TetherAnglesState, TiltFrame};
-pub use ukf::{Corrected, Posterior, TetherAngleMode, TetherAngleState, TetherAngleUkf};
+pub use ukf::{Corrected, Posterior, TetherAngleState, TetherAngleUkf, UkfStage};

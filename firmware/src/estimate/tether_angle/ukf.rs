@@ -57,7 +57,7 @@ impl<S: Scalar> TetherAngleUkf<S> {
 
 /// What the filter did with a sample.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum TetherAngleMode {
+pub enum UkfStage {
     /// No estimate: the reading gives no angle.
     #[default]
     Uninitialised,
@@ -105,7 +105,7 @@ pub struct TetherAngleState<S: Scalar> {
     /// The last estimate, also after it is lost.
     pub posterior: Posterior<S>,
     /// What was done with the last sample.
-    pub mode: TetherAngleMode,
+    pub mode: UkfStage,
     pub(crate) is_running: bool,
     pub(crate) slack: S,
     pub(crate) prior: S,
@@ -120,7 +120,7 @@ impl<S: Scalar> TetherAngleState<S> {
                 x: TetherAngle { tilt, ..TetherAngle::default() },
                 covariance: M3::zeros(),
             },
-            mode: TetherAngleMode::Uninitialised,
+            mode: UkfStage::Uninitialised,
             is_running: false,
             slack: S::zero(),
             prior: tilt,
@@ -139,7 +139,7 @@ impl<S: Scalar> TetherAngleState<S> {
         let [angle, rate, tilt] = deviations.map(|d| d * fine::<S>()).map(|d| d * d);
         Self {
             posterior: Posterior { x, covariance: M3::from_diagonal(&V3::new(angle, rate, tilt)) },
-            mode: TetherAngleMode::Started,
+            mode: UkfStage::Started,
             is_running: true,
             slack: S::zero(),
             prior: x.tilt,
@@ -296,9 +296,9 @@ impl<S: Scalar> TetherAngleUkf<S> {
             filter.mode = match force.and_then(find) {
                 Some(Located { angle, tilt, .. }) => {
                     *filter = TetherAngleState::at(TetherAngle { angle, rate: S::zero(), tilt });
-                    TetherAngleMode::Started
+                    UkfStage::Started
                 }
-                None => TetherAngleMode::Uninitialised,
+                None => UkfStage::Uninitialised,
             };
             return;
         }
@@ -310,17 +310,17 @@ impl<S: Scalar> TetherAngleUkf<S> {
         if let Some(force) = force.filter(|force| pull(force) > self.tension_floor) {
             next = self.correct(model, &next, force).posterior;
             filter.slack = S::zero();
-            filter.mode = TetherAngleMode::Updated;
+            filter.mode = UkfStage::Updated;
         } else {
             filter.slack += self.dt;
-            filter.mode = TetherAngleMode::DeadReckoning;
+            filter.mode = UkfStage::DeadReckoning;
         }
         let is_sane = vector(&next.x).iter().chain(next.covariance.iter()).all(|v| v.is_finite());
         if is_sane {
             filter.posterior = next;
         }
         if !is_sane || filter.slack > self.slack_max {
-            filter.mode = TetherAngleMode::Lost;
+            filter.mode = UkfStage::Lost;
             filter.is_running = false;
             filter.prior = filter.posterior.x.tilt;
         }

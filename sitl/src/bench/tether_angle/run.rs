@@ -7,7 +7,7 @@ use crate::metrics::Spread;
 use crate::plant::{generator, normal};
 use std::collections::BTreeMap;
 use tautline_firmware::control::attachment_compensation;
-use tautline_firmware::estimate::tether_angle::{TetherAngleMode, TetherAngleState};
+use tautline_firmware::estimate::tether_angle::{TetherAngleState, UkfStage};
 use tautline_firmware::model::{TetherAngle, TiltImu};
 
 /// Plant rate, Hz; ticks per filter step and per control step.
@@ -35,7 +35,7 @@ pub struct AngleRow {
     /// Its deviations.
     pub deviation: [f64; 3],
     /// What the filter did.
-    pub mode: TetherAngleMode,
+    pub mode: UkfStage,
     /// True tension over mass, m/s².
     pub tension: f64,
 }
