@@ -161,7 +161,7 @@ fn the_rangefinder_knows_its_invalid_codes_and_the_manuals_example() {
 fn throttle_reaches_the_motor_by_either_protocol_once_the_esc_is_armed() {
     for protocol in [Protocol::Pwm400, Protocol::OneShot125] {
         let clock = FakeClock::default();
-        let escs = std::array::from_fn(|_| FakeEsc::new(clock.clone(), protocol));
+        let escs: [_; 4] = std::array::from_fn(|_| FakeEsc::new(clock.clone(), protocol));
         let mut motors = MotorOutputs::try_new(escs, protocol).unwrap();
         motors.write(&[0.5; 4]).unwrap();
         assert!(motors.channels_mut().iter().all(|esc| esc.throttle() == 0.0), "not armed yet");

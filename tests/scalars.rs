@@ -14,7 +14,7 @@ use tautline_firmware::model::{TetherAngle, TetherAngleModel, TiltImu};
 use tautline_firmware::param::Params;
 use tautline_firmware::scalar::Scalar;
 use tautline_firmware::sense::ImuScale;
-use tautline_firmware::signal::{RawImu, RawRange, Wrench};
+use tautline_firmware::signal::{PerRotor, RawImu, RawRange, Wrench};
 use tautline_firmware::time::{Micros, Sample};
 use tautline_firmware::trajectory::smooth_step;
 use tautline_firmware::vehicle::{StepInput, Vehicle};
@@ -46,7 +46,7 @@ fn the_attitude_filter_agrees_in_all_scalars() {
     }
 }
 
-fn thrusts<S: Scalar>(roll: f64, yaw: f64) -> [f32; 4] {
+fn thrusts<S: Scalar>(roll: f64, yaw: f64) -> PerRotor<f32> {
     let mixer = Mixer::<S>::new(&Params::default());
     let map = ThrustMap::<S>::new(&Params::default());
     let (f, _) = mixer.step(&Wrench { thrust: S::lit(15.0), torque: Body(v(roll, -0.2, yaw)) });

@@ -8,7 +8,7 @@ use crate::model::{PlanarState, TetherAngle, TetherAngleModel};
 use crate::scalar::Scalar;
 use crate::signal::{
     Actuation, Battery, Capture, Estimate, FilterHealth, FlightReference, Imu, LoadReference,
-    PlanarReference, Sensors, TetherState, WinchCommand, Wrench,
+    PerRotor, PlanarReference, Sensors, TetherState, WinchCommand, Wrench,
 };
 use crate::time::Sample;
 use core::any::Any;
@@ -52,6 +52,13 @@ impl<T: Single, const N: usize> Single for [T; N] {
     type Single = [T::Single; N];
     fn single(&self) -> Self::Single {
         self.each_ref().map(Single::single)
+    }
+}
+
+impl<S: Scalar> Single for PerRotor<S> {
+    type Single = PerRotor<f32>;
+    fn single(&self) -> Self::Single {
+        self.map(Scalar::to_f32)
     }
 }
 

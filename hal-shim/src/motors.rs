@@ -2,9 +2,6 @@
 
 use embedded_hal::pwm::SetDutyCycle;
 
-/// Motors of a quadrotor.
-pub const MOTORS: usize = 4;
-
 /// What the ESCs are told in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Protocol {
@@ -36,29 +33,29 @@ impl Protocol {
     }
 }
 
-/// Four outputs of the same protocol.
+/// Outputs of the same protocol, as many as a board has pads for.
 #[derive(Debug)]
-pub struct MotorOutputs<P> {
-    channels: [P; MOTORS],
+pub struct MotorOutputs<P, const N: usize = 4> {
+    channels: [P; N],
     protocol: Protocol,
 }
 
-impl<P: SetDutyCycle> MotorOutputs<P> {
+impl<P: SetDutyCycle, const N: usize> MotorOutputs<P, N> {
     /// The timers must already run at [`Protocol::period_us`]. Sends the stop pulse.
     ///
     /// # Errors
     /// The channel's.
-    pub fn try_new(channels: [P; MOTORS], protocol: Protocol) -> Result<Self, P::Error> {
+    pub fn try_new(channels: [P; N], protocol: Protocol) -> Result<Self, P::Error> {
         let mut outputs = Self { channels, protocol };
         outputs.stop()?;
         Ok(outputs)
     }
 
-    /// Throttle of each motor, 0..1.
+    /// Throttle of each motor, 0..1. A channel without a motor is left at its stop pulse.
     ///
     /// # Errors
     /// The channel's; the other channels are still written.
-    pub fn write(&mut self, throttle: &[f32; MOTORS]) -> Result<(), P::Error> {
+    pub fn write(&mut self, throttle: &[f32]) -> Result<(), P::Error> {
         let mut result = Ok(());
         for (channel, &throttle) in self.channels.iter_mut().zip(throttle) {
             let share = self.protocol.pulse_us(throttle) / self.protocol.period_us();
@@ -73,11 +70,11 @@ impl<P: SetDutyCycle> MotorOutputs<P> {
     /// # Errors
     /// The channel's.
     pub fn stop(&mut self) -> Result<(), P::Error> {
-        self.write(&[0.0; MOTORS])
+        self.write(&[0.0; N])
     }
 
     /// The channels, for their owner.
-    pub fn channels_mut(&mut self) -> &mut [P; MOTORS] {
+    pub fn channels_mut(&mut self) -> &mut [P; N] {
         &mut self.channels
     }
 }

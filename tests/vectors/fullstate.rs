@@ -8,6 +8,7 @@ use tautline_firmware::control::{
 };
 use tautline_firmware::estimate::{Ekf4, Ekf4Measurement, Ekf4State, Mahony, MahonyState};
 use tautline_firmware::frames::{Body, M3, V3, World};
+use tautline_firmware::param::Params;
 use tautline_firmware::scalar::Scalar;
 use tautline_firmware::signal::{MixerReport, Wrench};
 
@@ -166,21 +167,19 @@ pub fn check_rate<S: Scalar + Into<f64>>(file: &Value, bound: f64) {
 pub fn check_mixer<S: Scalar + Into<f64>>(file: &Value, bound: f64) {
     let mut check = Check::new(bound);
     for (name, c) in cases(file, "mixer") {
-        let mixer = Mixer::<S> {
-            arm: s(c, "arm"),
-            torque_ratio: s(c, "cq"),
-            // fullstate section 11.
-            min: S::lit(0.05),
-            max: s(c, "fmax"),
-            priority: Priority::Clip,
-        };
+        let mut mixer = Mixer::<S>::new(&Params::default());
+        (mixer.arm, mixer.torque_ratio) = (s(c, "arm"), s(c, "cq"));
+        // fullstate section 11.
+        (mixer.min, mixer.max) = (S::lit(0.05), s(c, "fmax"));
+        mixer.priority = Priority::Clip;
         let wrench = Wrench { thrust: s(c, "T"), torque: Body(vec3(c, "tau")) };
         let (thrusts, report) = mixer.step(&wrench);
-        check.all(&name, thrusts, list(c, "f"));
+        check.all(&name, thrusts.iter().copied(), list(c, "f"));
         // Where nothing is at its limit, the priority makes no difference.
         if !report.thrust_is_saturated {
-            let (first, _) = Mixer { priority: Priority::TiltFirst, ..mixer }.step(&wrench);
-            check.all(&name, first, list(c, "f"));
+            mixer.priority = Priority::TiltFirst;
+            let (first, _) = mixer.step(&wrench);
+            check.all(&name, first.iter().copied(), list(c, "f"));
         }
     }
 }

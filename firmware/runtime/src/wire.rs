@@ -7,6 +7,9 @@ pub use crate::status::Status;
 
 use serde::{Deserialize, Serialize};
 
+/// Motor outputs of the emulated board.
+pub const OUTPUTS: usize = 4;
+
 /// Longest message.
 pub const MAX_MESSAGE: usize = 600;
 
@@ -52,7 +55,7 @@ pub enum Request<'a> {
         to: u32,
     },
     /// The four pulses as shares of the timer's period, of 65535. No reply.
-    Motors([u16; 4]),
+    Motors([u16; OUTPUTS]),
     /// Bytes out of the console port. No reply.
     Console(&'a [u8]),
     /// Bytes for the log's file. No reply.

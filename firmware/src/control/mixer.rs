@@ -1,9 +1,9 @@
-//! Which rotor thrusts give that wrench? X frame: front right, rear left, front left, rear right;
-//! the first two turn so that their drag yaws the nose to the right.
+//! Which rotor thrusts give that wrench? Each rotor's share of roll, pitch and yaw follows from the table of rotors.
 
+use crate::model::Rotors;
 use crate::param::Params;
 use crate::scalar::Scalar;
-use crate::signal::{MixerReport, ROTORS, Wrench};
+use crate::signal::{MixerReport, PerRotor, Wrench};
 
 /// What gives way when a rotor is at its limit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -15,10 +15,21 @@ pub enum Priority {
     TiltFirst,
 }
 
+/// How much a rotor takes part in roll, pitch and yaw, -1 to 1: 1 for the one that does most.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Part<S> {
+    roll: S,
+    pitch: S,
+    yaw: S,
+}
+
 /// Geometry and limits.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mixer<S> {
-    /// Rotor distance along each body axis, m.
+    parts: PerRotor<Part<S>>,
+    /// Of the rotor that does most, per unit of the whole: thrust, roll, pitch, yaw.
+    shares: [S; 4],
+    /// Unit of the table of rotors, m.
     pub arm: S,
     /// Drag torque per thrust, m.
     pub torque_ratio: S,
@@ -38,7 +49,31 @@ impl<S: Scalar> Mixer<S> {
     #[must_use]
     #[inline(never)]
     pub fn new(p: &Params) -> Self {
+        Self::for_rotors(&Rotors::of(p), p)
+    }
+
+    /// For another table of rotors.
+    #[must_use]
+    pub fn for_rotors(rotors: &Rotors, p: &Params) -> Self {
+        // The axes are uncoupled, so the least-squares allocation is a rotor's lever over the sum of squares.
+        let most = |of: fn(&crate::model::Rotor) -> f32| {
+            rotors.iter().map(of).fold(0.0_f32, |most, x| most.max(x.abs())).max(f32::MIN_POSITIVE)
+        };
+        let (x, y, spin) = (most(|r| r.x), most(|r| r.y), most(|r| r.spin));
+        let squares = |of: fn(&crate::model::Rotor) -> f32| rotors.iter().map(of).sum::<f32>();
+        let share = |most: f32, sum: f32| S::from_f32(most / sum.max(f32::MIN_POSITIVE));
         Self {
+            parts: rotors.map(|r| Part {
+                roll: S::from_f32(-r.y / y),
+                pitch: S::from_f32(r.x / x),
+                yaw: S::from_f32(r.spin / spin),
+            }),
+            shares: [
+                S::from_f32(1.0 / rotors.len().max(1) as f32),
+                share(y, squares(|r| r.y * r.y)),
+                share(x, squares(|r| r.x * r.x)),
+                share(spin, squares(|r| r.spin * r.spin)),
+            ],
             arm: S::from_f32(p.arm),
             torque_ratio: S::from_f32(p.torque_ratio),
             min: S::from_f32(p.rotor_thrust_min),
@@ -47,52 +82,68 @@ impl<S: Scalar> Mixer<S> {
         }
     }
 
+    /// The same value for each rotor.
+    #[must_use]
+    pub fn each(&self, value: S) -> PerRotor<S> {
+        PerRotor::all(self.parts.len(), value)
+    }
+
     /// Rotor thrusts, N, each within the limits, and what had to be cut.
     #[must_use]
-    pub fn step(&self, wrench: &Wrench<S>) -> ([S; ROTORS], MixerReport) {
-        let quarter = S::lit(0.25);
+    pub fn step(&self, wrench: &Wrench<S>) -> (PerRotor<S>, MixerReport) {
         let torque = &wrench.torque.0;
-        let mut mean = wrench.thrust * quarter;
-        let mut roll = torque.x * quarter / self.arm;
-        let mut pitch = torque.y * quarter / self.arm;
-        let wanted_yaw = torque.z * quarter / self.torque_ratio;
+        let [thrust_share, roll_share, pitch_share, yaw_share] = self.shares;
+        let mut mean = wrench.thrust * thrust_share;
+        let mut roll = torque.x * roll_share / self.arm;
+        let mut pitch = torque.y * pitch_share / self.arm;
+        let wanted_yaw = torque.z * yaw_share / self.torque_ratio;
         let mut yaw = wanted_yaw.limit_abs(mean.max(S::zero()) * S::lit(YAW_SHARE));
 
         let mut report = MixerReport::default();
         if self.priority == Priority::TiltFirst {
             let span = self.max - self.min;
             let two = S::lit(2.0);
-            let tilt = roll.abs() + pitch.abs();
+            let tilt = self.most_tilt(roll, pitch);
             if tilt * two > span {
                 let shrink = span / (tilt * two);
                 roll *= shrink;
                 pitch *= shrink;
                 report.tilt_is_saturated = true;
             }
-            let tilt = (roll.abs() + pitch.abs()).min(span / two);
+            let tilt = self.most_tilt(roll, pitch).min(span / two);
             // Room that the tilt leaves, once the mean may move: half the span minus the tilt.
             yaw = yaw.limit_abs(span / two - tilt);
-            // The rotor that yaw loads most beyond the tilt: the two pairs see yaw with opposite sign.
-            let (diagonal, other) = ((roll - pitch).abs(), (roll + pitch).abs());
-            let top = (diagonal + yaw).max(other - yaw);
-            let bottom = (diagonal - yaw).max(other + yaw);
+            // The rotors that roll, pitch and yaw together load most and least.
+            let (mut top, mut bottom) = (S::zero(), S::zero());
+            for part in self.parts.iter() {
+                let more = part.roll * roll + part.pitch * pitch + part.yaw * yaw;
+                top = top.max(more);
+                bottom = bottom.max(-more);
+            }
             let fitted = mean.min(self.max - top).max(self.min + bottom);
             report.thrust_is_saturated = fitted != mean;
             mean = fitted;
         }
         report.yaw_is_saturated = yaw != wanted_yaw;
-        let asked = [
-            mean - roll + pitch + yaw,
-            mean + roll - pitch + yaw,
-            mean + roll + pitch - yaw,
-            mean - roll - pitch - yaw,
-        ];
-        let thrusts = asked.map(|thrust| thrust.limit(self.min, self.max));
-        if self.priority == Priority::Clip && thrusts != asked {
+        let mut is_clipped = false;
+        let mut thrusts = self.each(S::zero());
+        for (thrust, part) in thrusts.iter_mut().zip(self.parts.iter()) {
+            let asked = mean + part.roll * roll + part.pitch * pitch + part.yaw * yaw;
+            *thrust = asked.limit(self.min, self.max);
+            is_clipped |= *thrust != asked;
+        }
+        if self.priority == Priority::Clip && is_clipped {
             report.tilt_is_saturated = true;
             report.thrust_is_saturated = true;
         }
         (thrusts, report)
+    }
+
+    /// What roll and pitch ask of the rotor that they load most, N.
+    fn most_tilt(&self, roll: S, pitch: S) -> S {
+        self.parts
+            .iter()
+            .fold(S::zero(), |most, part| most.max((part.roll * roll + part.pitch * pitch).abs()))
     }
 }
 
@@ -105,7 +156,8 @@ mod tests {
         Mixer::new(&Params::default())
     }
 
-    fn wrench_of(m: &Mixer<f64>, [fr, rl, fl, rr]: [f64; 4]) -> (f64, V3<f64>) {
+    fn wrench_of(m: &Mixer<f64>, thrusts: &[f64]) -> (f64, V3<f64>) {
+        let &[fr, rl, fl, rr] = thrusts else { panic!("{thrusts:?}") };
         let roll = m.arm * (rl + fl - fr - rr);
         let pitch = m.arm * (fr + fl - rl - rr);
         let yaw = m.torque_ratio * (fr + rl - fl - rr);
@@ -117,7 +169,7 @@ mod tests {
         let m = mixer();
         let torque = V3::new(0.3, -0.2, 0.02);
         let (f, report) = m.step(&Wrench { thrust: 15.0, torque: Body(torque) });
-        let (thrust, got) = wrench_of(&m, f);
+        let (thrust, got) = wrench_of(&m, &f);
         assert!((thrust - 15.0).abs() < 1e-9 && (got - torque).norm() < 1e-9);
         assert_eq!(report, MixerReport::default());
     }
@@ -132,7 +184,7 @@ mod tests {
                 Wrench { thrust: 16.0 * (1.0 + x(3)), torque: Body(V3::new(roll, pitch, x(4))) };
             let (f, report) = m.step(&asked);
             assert!(f.iter().all(|&t| t >= m.min && t <= m.max));
-            let (thrust, got) = wrench_of(&m, f);
+            let (thrust, got) = wrench_of(&m, &f);
             if report.tilt_is_saturated {
                 assert!(
                     (got.x * pitch - got.y * roll).abs() < 1e-6,
@@ -148,5 +200,32 @@ mod tests {
                 assert!((thrust - asked.thrust).abs() < 1e-9);
             }
         }
+    }
+
+    /// Six on a circle, the first in front and to the right, turning by turns.
+    fn hexa() -> Rotors {
+        let rotor = |i: u8| {
+            let (sin, cos) = (f64::from(i) * 60.0 + 30.0).to_radians().sin_cos();
+            (cos as f32, sin as f32, if i.is_multiple_of(2) { 1.0 } else { -1.0 })
+        };
+        Rotors::try_new(&[0, 1, 2, 3, 4, 5].map(rotor)).unwrap()
+    }
+
+    #[test]
+    fn six_rotors_give_a_feasible_wrench_as_four_do() {
+        let rotors = hexa();
+        let m = Mixer::<f64>::for_rotors(&rotors, &Params::default());
+        let torque = V3::new(0.4, -0.3, 0.05);
+        let (f, report) = m.step(&Wrench { thrust: 20.0, torque: Body(torque) });
+        assert_eq!((f.len(), report), (6, MixerReport::default()));
+        let sum = |of: fn(f64, f64, f64) -> f64| {
+            let each = rotors.iter().zip(f.iter());
+            let wide = |x: f32| f64::from(x);
+            each.map(|(r, t)| of(wide(r.x), wide(r.y), wide(r.spin)) * t).sum::<f64>()
+        };
+        assert!((sum(|_, _, _| 1.0) - 20.0).abs() < 1e-6);
+        assert!((-m.arm * sum(|_, y, _| y) - torque.x).abs() < 1e-6);
+        assert!((m.arm * sum(|x, _, _| x) - torque.y).abs() < 1e-6);
+        assert!((m.torque_ratio * sum(|_, _, s| s) - torque.z).abs() < 1e-6);
     }
 }

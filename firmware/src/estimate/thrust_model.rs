@@ -3,7 +3,7 @@
 
 use crate::math::filter::{Biquad, BiquadState};
 use crate::scalar::Scalar;
-use crate::signal::ROTORS;
+use crate::signal::MAX_ROTORS;
 
 /// Configuration.
 #[derive(Clone, Copy, Debug)]
@@ -19,13 +19,13 @@ pub struct ThrustModel<S> {
 /// What moves.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct ThrustModelState<S> {
-    rotors: [S; ROTORS],
+    rotors: [S; MAX_ROTORS],
     filter: Option<BiquadState<S>>,
 }
 
 impl<S: Scalar> ThrustModel<S> {
     /// Total thrust, N, one step after `commanded` was sent.
-    pub fn step(&self, state: &mut ThrustModelState<S>, commanded: &[S; ROTORS]) -> S {
+    pub fn step(&self, state: &mut ThrustModelState<S>, commanded: &[S]) -> S {
         let mut total = S::zero();
         for (thrust, command) in state.rotors.iter_mut().zip(commanded) {
             *thrust += (*command - *thrust) * self.lag;

@@ -160,20 +160,20 @@ record! {
 }
 }
 record! {
-    /// `actuator_motors`: front right, rear left, front left, rear right.
+    /// `actuator_motors`, in the order of the table of rotors; zero beyond the last.
     ActuatorMotors {
         /// Throttle, 0..1.
-        control: [f32; 4],
+        control: [f32; 8],
         /// Commanded thrust, N.
-        thrust: [f32; 4],
+        thrust: [f32; 8],
         /// To the winch, N.
         winch_tension: f32,
     }
     topic "actuator_motors" every MEDIUM;
     of |out| Some(Self {
             timestamp: out.now.0,
-            control: out.actuation.throttle,
-            thrust: out.actuation.thrusts,
+            control: out.actuation.throttle.padded(),
+            thrust: out.actuation.thrusts.padded(),
             winch_tension: out.actuation.winch.tension,
         })
 }

@@ -17,7 +17,7 @@ use crate::estimate::tether_angle::{
 };
 use crate::frames::{Body, V3};
 use crate::math::wrap_pi;
-use crate::model::TetherKind;
+use crate::model::{TetherKind, thrust_max};
 use crate::param::Params;
 use crate::scalar::Scalar;
 use crate::signal::{Action, FlightReference};
@@ -73,7 +73,7 @@ impl<S: Scalar> AngleConfig<S> {
             estimator: TetherAngleEstimator::try_new(p).ok()?,
             control: control.validate().ok()?,
             thrust: f(p.angle_thrust * p.mass),
-            thrust_max: f(4.0 * p.rotor_thrust_max * p.taut_thrust_share),
+            thrust_max: f(thrust_max(p) * p.taut_thrust_share),
             yaw_gain: f(p.yaw_p),
             yaw_rate_max: f(p.yaw_rate_max),
         })

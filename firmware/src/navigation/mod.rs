@@ -15,7 +15,7 @@ use crate::math::GRAVITY;
 use crate::math::filter::{Biquad, first_order};
 use crate::param::Params;
 use crate::scalar::Scalar;
-use crate::signal::{Estimate, FilterHealth, Imu, ROTORS, Sensors};
+use crate::signal::{Estimate, FilterHealth, Imu, Sensors};
 use crate::time::{Micros, OUTER_DT, Sample};
 use alignment::{Alignment, AlignmentState};
 use decimator::Decimator;
@@ -106,7 +106,7 @@ impl<S: Scalar> Navigation<S> {
         &self,
         state: &mut NavigationState<S>,
         sensors: &Sensors<S>,
-        commanded: &[S; ROTORS],
+        commanded: &[S],
         phase: Phase,
     ) -> bool {
         self.receive(state, sensors);

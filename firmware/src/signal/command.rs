@@ -1,10 +1,8 @@
 //! What the vehicle is told to do.
 
+use super::PerRotor;
 use crate::frames::{Body, V3};
 use crate::scalar::Scalar;
-
-/// Number of rotors: X frame in the order front right, rear left, front left, rear right.
-pub const ROTORS: usize = 4;
 
 /// Total thrust and torque asked of the mixer.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,9 +28,9 @@ pub struct MixerReport {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Actuation<S: Scalar = f32> {
     /// Thrust of each rotor, N.
-    pub thrusts: [S; ROTORS],
+    pub thrusts: PerRotor<S>,
     /// Throttle of each rotor, 0..1; the driver maps it to a pulse.
-    pub throttle: [S; ROTORS],
+    pub throttle: PerRotor<S>,
     /// Whether the motors may turn. When not, every throttle is zero.
     pub is_armed: bool,
     /// For the ground end.

@@ -3,13 +3,15 @@
 mod command;
 mod estimate;
 mod event;
+mod per_rotor;
 mod reference;
 mod request;
 mod sensors;
 
-pub use command::{Actuation, MixerReport, ROTORS, WinchCommand, Wrench};
+pub use command::{Actuation, MixerReport, WinchCommand, Wrench};
 pub use estimate::{Estimate, FilterHealth, TetherState};
 pub use event::{Event, EventQueue, Severity};
+pub use per_rotor::{MAX_ROTORS, PerRotor};
 pub use reference::{FlightReference, LoadReference, PlanarReference, SphericalPoint, TautPurpose};
 pub use request::{Action, Outcome, Reply, Request, Sticks, Ticket};
 pub use sensors::{

@@ -42,7 +42,7 @@ impl<S: Scalar> Vehicle<S> {
             cell_low: p.battery_low,
             link_is_up: self.link_is_up(cx.now),
             throttle_is_open: self.mode.mode().rule().needs.sticks && is_open(),
-            hover_share: (weight + pull) / (4.0 * p.rotor_thrust_max),
+            hover_share: (weight + pull) / crate::model::thrust_max(p),
         }
     }
 

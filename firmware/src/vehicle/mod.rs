@@ -29,7 +29,7 @@ use crate::param::Params;
 use crate::scalar::Scalar;
 use crate::sense::{ImuScale, SenseState};
 use crate::signal::{
-    Actuation, Event, EventQueue, MixerReport, ROTORS, Reply, Sensors, WinchCommand, Wrench,
+    Actuation, Event, EventQueue, MixerReport, Reply, Sensors, WinchCommand, Wrench,
 };
 use crate::supervisor::{FailsafeState, GroundState, TouchDownState};
 use crate::time::{INNER_DT, Micros};
@@ -150,8 +150,8 @@ impl<S: Scalar> Vehicle<S> {
             rate: RateState::default(),
             wrench: Wrench { thrust: S::zero(), torque: Body(V3::zeros()) },
             actuation: Actuation {
-                thrusts: [S::zero(); ROTORS],
-                throttle: [S::zero(); ROTORS],
+                thrusts: config.mixer.each(S::zero()),
+                throttle: config.mixer.each(S::zero()),
                 is_armed: false,
                 winch: WinchCommand { tension: config.constants.tension_low },
             },
@@ -296,8 +296,8 @@ impl<S: Scalar> Vehicle<S> {
         state.actuation.is_armed = is_armed;
         state.actuation.winch = WinchCommand { tension: situation.setpoints.tension };
         if !is_armed {
-            state.actuation.thrusts = [S::zero(); ROTORS];
-            state.actuation.throttle = [S::zero(); ROTORS];
+            state.actuation.thrusts = self.config.mixer.each(S::zero());
+            state.actuation.throttle = self.config.mixer.each(S::zero());
             situation.mixer = MixerReport::default();
             state.wrench = Wrench { thrust: S::zero(), torque: Body(V3::zeros()) };
             state.rate = RateState::default();
@@ -306,7 +306,7 @@ impl<S: Scalar> Vehicle<S> {
         let voltage = sensors.battery.map(|battery| battery.voltage);
         if situation.setpoints.ground == GroundState::OnGround {
             let idle = self.config.mixer.min;
-            state.actuation.thrusts = [idle; ROTORS];
+            state.actuation.thrusts = self.config.mixer.each(idle);
             state.rate = RateState::default();
         } else if sensors.imu.is_some() {
             let estimate = &situation.estimate;

@@ -11,10 +11,10 @@ use std::io;
 use tautline_firmware::param::Params;
 use tautline_hal_shim::battery::AdcPin;
 use tautline_hal_shim::fake::{FakeEsc, FakeFlash};
-use tautline_hal_shim::motors::{MOTORS, Protocol};
+use tautline_hal_shim::motors::Protocol;
 use tautline_hal_shim::parameters::ParameterStore;
 use tautline_runtime::settings::Settings;
-use tautline_runtime::wire::{Reply, Request};
+use tautline_runtime::wire::{OUTPUTS, Reply, Request};
 
 use super::pipe::Pipe;
 
@@ -30,9 +30,9 @@ pub struct Devices {
     /// World and sensors.
     pub environment: Environment,
     /// On the motor outputs.
-    pub escs: [FakeEsc; MOTORS],
+    pub escs: [FakeEsc; OUTPUTS],
     /// Pulses as last written, shares of the period.
-    pub pulses: [u16; MOTORS],
+    pub pulses: [u16; OUTPUTS],
     flash: Option<FakeFlash<SECTOR, WORD>>,
 }
 
@@ -48,7 +48,7 @@ impl Devices {
         let (mut settings, _) = Settings::load(store, Params::default()).map_err(wrong)?;
         while settings.store_next(params).map_err(wrong)? {}
         let escs = std::array::from_fn(|_| FakeEsc::new(environment.clock().clone(), protocol));
-        Ok(Self { environment, escs, pulses: [0; MOTORS], flash: Some(settings.into_flash()) })
+        Ok(Self { environment, escs, pulses: [0; OUTPUTS], flash: Some(settings.into_flash()) })
     }
 
     /// The parameters in the flash, as a board would load them.
@@ -131,7 +131,7 @@ impl Devices {
         Ok(true)
     }
 
-    fn drive(&mut self, pulses: [u16; MOTORS]) {
+    fn drive(&mut self, pulses: [u16; OUTPUTS]) {
         self.pulses = pulses;
         for (esc, pulse) in self.escs.iter_mut().zip(pulses) {
             let full = u32::from(esc.max_duty_cycle());

@@ -7,10 +7,10 @@ use crate::sensor::SensorSuite;
 use std::f64::consts::PI;
 use tautline_firmware::param::Params;
 use tautline_firmware::sense::Mounting;
+use tautline_firmware::signal::MAX_ROTORS;
 use tautline_firmware::supervisor::Mode;
 use tautline_firmware::time::Micros;
 use tautline_hal_shim::fake::{FakeClock, FakeEsc};
-use tautline_hal_shim::motors::MOTORS;
 
 /// Simulation step, µs.
 pub const STEP_US: u64 = 1_000;
@@ -97,8 +97,11 @@ impl Environment {
     }
 
     /// One millisecond of physics, with the commands of the motors and the winch.
-    pub fn advance(&mut self, escs: &[FakeEsc; MOTORS], winch: f64) {
-        let throttle = std::array::from_fn(|i| escs.get(i).map_or(0.0, FakeEsc::throttle));
+    pub fn advance(&mut self, escs: &[FakeEsc], winch: f64) {
+        let mut throttle = [0.0; MAX_ROTORS];
+        for (throttle, esc) in throttle.iter_mut().zip(escs) {
+            *throttle = esc.throttle();
+        }
         self.plant.model_mut().tether.is_broken = self.is_active(FaultKind::TetherBroken);
         let time = self.clock.now_us() as f64 * 1e-6;
         if let Some(charge) = self.faults.value(FaultKind::BatteryAt, time) {

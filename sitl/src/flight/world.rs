@@ -4,6 +4,7 @@ use super::{Autopilot, Environment};
 use crate::scenario::{Scenario, ScenarioError, Source};
 use tautline_firmware::mavlink::Connection;
 use tautline_firmware::param::Params;
+use tautline_firmware::signal::MAX_ROTORS;
 use tautline_firmware::time::Micros;
 use tautline_firmware::vehicle::{StepInput, StepOutput};
 use tautline_hal_shim::fake::FakeEsc;
@@ -15,7 +16,7 @@ use tautline_runtime::inner_loop::protocol;
 pub struct World {
     /// All but the firmware.
     pub environment: Environment,
-    motors: MotorOutputs<FakeEsc>,
+    motors: MotorOutputs<FakeEsc, MAX_ROTORS>,
     /// The firmware.
     pub vehicle: Autopilot,
     /// Its MAVLink connection.

@@ -1,6 +1,6 @@
 //! The physical world, f64, world axes NED with the origin at the anchor, body axes FRD.
 //!
-//! Rigid body on SO(3), four rotors with lag, a tether with slack, a winch, ground contact, wind and
+//! Rigid body on SO(3), rotors with lag, a tether with slack, a winch, ground contact, wind and
 //! drag. Semi-implicit Euler at 4 kHz.
 
 mod anchor;
@@ -23,7 +23,7 @@ pub use ground::{Ground, GroundModel};
 pub use integrate::runge_kutta;
 pub use push::Push;
 pub use rod::{Rod, RodModel, RodPhase};
-pub use rotor::{Rotor, RotorModel};
+pub use rotor::{Hub, Rotor, RotorModel};
 pub use tether::{Tether, TetherModel, WinchModel};
 pub use wind::{Gusts, Wind, WindModel};
 
@@ -106,8 +106,8 @@ pub struct Plant {
     rng: Pcg64Mcg,
     /// Vehicle.
     pub body: Body,
-    /// Front right, rear left, front left, rear right.
-    pub rotors: [Rotor; 4],
+    /// In the order of [`RotorModel::hubs`].
+    pub rotors: Vec<Rotor>,
     /// Tether.
     pub tether: Tether,
     /// The tether's ground end.
@@ -127,10 +127,6 @@ pub struct Plant {
     time: f64,
 }
 
-/// Hub of each rotor in units of the arm (x forward, y right), and the sense of its yaw torque.
-const HUBS: [(f64, f64, f64); 4] =
-    [(1.0, 1.0, 1.0), (-1.0, -1.0, 1.0), (1.0, -1.0, -1.0), (-1.0, 1.0, -1.0)];
-
 impl Plant {
     /// At rest on the ground, `distance` from the anchor along the `heading`, the nose pointing away.
     #[must_use]
@@ -139,9 +135,8 @@ impl Plant {
         let height = model.ground.rest_height(&model.body);
         let place = V3::new(distance * heading.cos(), distance * heading.sin(), -height);
         let common = uniform(&mut rng) * model.rotor.common_gain_error;
-        let rotors = std::array::from_fn(|_| {
-            Rotor::new(1.0 + common + uniform(&mut rng) * model.rotor.gain_error)
-        });
+        let draw = |_: &Hub| Rotor::new(1.0 + common + uniform(&mut rng) * model.rotor.gain_error);
+        let rotors = model.rotor.hubs.iter().map(draw).collect();
         Self {
             body: Body::at(place, heading),
             rotors,
@@ -160,7 +155,7 @@ impl Plant {
     }
 
     /// One millisecond with these throttles and this tension set-point for the winch.
-    pub fn step(&mut self, throttle: &[f64; 4], winch_tension: f64) {
+    pub fn step(&mut self, throttle: &[f64], winch_tension: f64) {
         let mut force_sum = V3::zeros();
         let wind = self.wind.step(&self.model.wind, self.body.height(), 1e-3, &mut self.rng);
         let voltage = self.battery.voltage();
@@ -180,7 +175,7 @@ impl Plant {
         let m = &self.model;
         let mut thrust = 0.0;
         let mut torque = V3::zeros();
-        for (rotor, (x, y, spin)) in self.rotors.iter_mut().zip(HUBS) {
+        for (rotor, &Hub { x, y, spin }) in self.rotors.iter_mut().zip(&m.rotor.hubs) {
             let t = rotor.step(&m.rotor, DT);
             thrust += t;
             let hub = V3::new(x * m.rotor.arm, y * m.rotor.arm, 0.0);

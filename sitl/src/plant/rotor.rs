@@ -2,9 +2,30 @@
 
 use crate::scenario::VehicleSection;
 
+/// Where a rotor sits, in units of the arm, and the sense of its yaw torque.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hub {
+    /// Forward.
+    pub x: f64,
+    /// To the right.
+    pub y: f64,
+    /// +1 if its drag yaws the nose to the right, else -1.
+    pub spin: f64,
+}
+
+const fn hub(x: f64, y: f64, spin: f64) -> Hub {
+    Hub { x, y, spin }
+}
+
+/// Front right, rear left, front left, rear right.
+const QUAD_X: [Hub; 4] =
+    [hub(1.0, 1.0, 1.0), hub(-1.0, -1.0, 1.0), hub(1.0, -1.0, -1.0), hub(-1.0, 1.0, -1.0)];
+
 /// All rotors alike.
 #[derive(Clone, Debug)]
 pub struct RotorModel {
+    /// In the order of the motor outputs.
+    pub hubs: Vec<Hub>,
     /// Distance of each hub from the centre of mass along x and along y, m.
     pub arm: f64,
     /// N/(rad/s)².
@@ -32,6 +53,7 @@ impl RotorModel {
     #[must_use]
     pub fn new(vehicle: &VehicleSection) -> Self {
         Self {
+            hubs: QUAD_X.to_vec(),
             arm: vehicle.arm,
             thrust_coefficient: vehicle.thrust_coefficient,
             torque_ratio: vehicle.torque_ratio,

@@ -6,7 +6,7 @@ use crate::control::AttitudeCommand;
 use crate::estimate::taut::TautEstimate;
 use crate::fault::{Fault, Invalid};
 use crate::frames::{Body, V3};
-use crate::model::PlanarModel;
+use crate::model::{PlanarModel, thrust_max};
 use crate::param::Params;
 use crate::scalar::Scalar;
 use crate::signal::{PlanarReference, TautPurpose};
@@ -82,7 +82,7 @@ impl<S: Scalar> TautController<S> {
                 Law::Attitude(ElevationAttitude::try_new(model, &poles, &pitch, window)?)
             }
         };
-        let max = S::from_f32(4.0 * p.rotor_thrust_max * p.taut_thrust_share);
+        let max = S::from_f32(thrust_max(p) * p.taut_thrust_share);
         let limits = ThrustLimits {
             min: S::from_f32(p.taut_thrust_min),
             max,

@@ -169,13 +169,18 @@ impl Connection {
 
     fn send_servos(&mut self, at: &Outgoing, sink: Sink) {
         let out = at.out;
-        let [a, b, c, d] = out.actuation.throttle.map(|t| (1000.0 + 1000.0 * t) as u16);
+        let pulses = out.actuation.throttle.map(|t| (1000.0 + 1000.0 * t) as u16);
+        let [a, b, c, d, e, f, g, h] = pulses.padded();
         let m = mav::SERVO_OUTPUT_RAW_DATA {
             time_usec: out.now.0 as u32,
             servo1_raw: a,
             servo2_raw: b,
             servo3_raw: c,
             servo4_raw: d,
+            servo5_raw: e,
+            servo6_raw: f,
+            servo7_raw: g,
+            servo8_raw: h,
             ..Default::default()
         };
         self.send(&m, sink);

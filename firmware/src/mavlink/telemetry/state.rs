@@ -43,7 +43,8 @@ impl Connection {
         let v = &at.view();
         let [vn, ve, _] = v.velocity.unwrap_or_default();
         let [_, _, yaw] = v.euler;
-        let mean: f32 = out.actuation.throttle.iter().sum::<f32>() * 0.25;
+        let throttle = &out.actuation.throttle;
+        let mean = throttle.iter().sum::<f32>() / throttle.len().max(1) as f32;
         let m = mav::VFR_HUD_DATA {
             airspeed: 0.0,
             groundspeed: libm::hypotf(vn, ve),

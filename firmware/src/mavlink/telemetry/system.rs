@@ -43,7 +43,11 @@ impl Connection {
         };
         let m = mav::HEARTBEAT_DATA {
             custom_mode: out.mode.rule().custom_mode,
-            mavtype: mav::MavType::MAV_TYPE_QUADROTOR,
+            mavtype: match out.actuation.throttle.len() {
+                6 => mav::MavType::MAV_TYPE_HEXAROTOR,
+                8 => mav::MavType::MAV_TYPE_OCTOROTOR,
+                _ => mav::MavType::MAV_TYPE_QUADROTOR,
+            },
             autopilot,
             base_mode: base_mode(out),
             system_status,

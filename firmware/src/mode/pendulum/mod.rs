@@ -25,7 +25,7 @@ use crate::fault::Invalid;
 use crate::frames::{Body, V3, World};
 use crate::math::trig::sin_cos;
 use crate::math::wrap_pi;
-use crate::model::{PendulumModel, TetherKind};
+use crate::model::{PendulumModel, TetherKind, thrust_max};
 use crate::param::Params;
 use crate::scalar::Scalar;
 use crate::signal::{Action, FlightReference, LoadReference};
@@ -123,7 +123,7 @@ impl<S: Scalar> PendulumConfig<S> {
             ..PendulumNoise::recommended()
         };
         let standard = PendulumLimits::standard(&model);
-        let rotors = f(4.0 * p.rotor_thrust_max * p.taut_thrust_share);
+        let rotors = f(thrust_max(p) * p.taut_thrust_share);
         let limits = PendulumLimits {
             thrust_max: (f(p.pendulum_thrust_max) * model.weight()).min(rotors),
             rate_max: f(p.pendulum_rate_max),

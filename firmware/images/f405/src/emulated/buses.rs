@@ -7,10 +7,9 @@ use embedded_hal::delay::DelayNs;
 use embedded_hal::i2c::{self, I2c, NoAcknowledgeSource};
 use embedded_hal::pwm::{self, SetDutyCycle};
 use embedded_hal::spi::{self, SpiDevice};
-use tautline_firmware::signal::ROTORS;
 use tautline_hal_shim::battery::AdcPin;
 use tautline_hal_shim::motors::Protocol;
-use tautline_runtime::wire::{Reply, Request};
+use tautline_runtime::wire::{OUTPUTS, Reply, Request};
 
 /// Longest transaction on either bus.
 const LONGEST: usize = 32;
@@ -148,7 +147,7 @@ impl AdcPin for Pins {
     }
 }
 
-static PULSES: [AtomicU16; ROTORS] = [const { AtomicU16::new(0) }; ROTORS];
+static PULSES: [AtomicU16; OUTPUTS] = [const { AtomicU16::new(0) }; OUTPUTS];
 
 /// The stop pulse as a share of the period.
 static STOP: AtomicU16 = AtomicU16::new(0);
@@ -186,7 +185,7 @@ impl SetDutyCycle for Motor {
         if let Some(pulse) = PULSES.get(self.0) {
             pulse.store(duty, Ordering::Relaxed);
         }
-        if self.0 + 1 == ROTORS {
+        if self.0 + 1 == OUTPUTS {
             let pulses =
                 core::array::from_fn(|i| PULSES.get(i).map_or(0, |p| p.load(Ordering::Relaxed)));
             host::post(&Request::Motors(pulses));

@@ -16,7 +16,6 @@ use stm32f4xx_hal::pac;
 use stm32f4xx_hal::prelude::*;
 use tautline_cortex::crash;
 use tautline_firmware::param::Params;
-use tautline_firmware::signal::ROTORS;
 use tautline_firmware::time::Micros;
 use tautline_firmware::vehicle::StepOutput;
 use tautline_hal_shim::battery::BatteryMonitor;
@@ -29,7 +28,7 @@ use tautline_runtime::port::{Port, Queued};
 use tautline_runtime::recorder::Recorder;
 use tautline_runtime::settings::Settings;
 use tautline_runtime::slow::SlowDevices;
-use tautline_runtime::wire::{Injury, Reply, Request};
+use tautline_runtime::wire::{Injury, OUTPUTS, Reply, Request};
 
 /// Barometer, rangefinder and battery on their buses.
 pub type Devices = SlowDevices<SlowBus, RangePort, Pins, Pins>;
@@ -124,7 +123,7 @@ impl Motors {
 
 /// The stop pulse on every motor, from any context.
 pub fn stop_motors() {
-    host::post(&Request::Motors([buses::stop(); ROTORS]));
+    host::post(&Request::Motors([buses::stop(); OUTPUTS]));
 }
 
 pub fn now() -> Micros {
