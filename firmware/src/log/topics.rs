@@ -1,4 +1,4 @@
-//! What each topic is made of. Names and fields are PX4's where PX4 has the topic.
+//! What each topic is made of: tables, so that one looks like another. Names and fields are PX4's where PX4 has the topic.
 
 pub use super::estimators::{
     EstimatorEkf4, EstimatorPendulum, EstimatorPosition, EstimatorTaut, EstimatorTetherAngle,

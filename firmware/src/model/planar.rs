@@ -21,7 +21,7 @@ pub struct PlanarState<S> {
     pub pitch_rate: S,
 }
 
-/// What an accelerometer at the centre of mass and a gyro read in the plane: axes `x = (-cos θ, sin θ)`,
+/// In other angles than [`super::TiltImu`]: what an accelerometer at the centre of mass and a gyro read in the plane: axes `x = (-cos θ, sin θ)`,
 /// `z = (-sin θ, -cos θ)` (down when level), y into the plane's right-handed third.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PlanarImu<S> {

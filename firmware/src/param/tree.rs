@@ -1,4 +1,5 @@
 //! All parameters. One line each: field, name, kind, unit, default, range.
+//! It is a table: that its lines look alike is meant.
 
 use super::params;
 

@@ -42,7 +42,7 @@ pub struct ArmingCheck {
     pub passes: fn(&ArmingFacts) -> bool,
 }
 
-/// All checks, in the order in which they are reported.
+/// All checks, in the order in which they are reported. A table: rows look alike.
 pub const ARMING_CHECKS: [ArmingCheck; 13] = [
     ArmingCheck {
         name: "imu present",

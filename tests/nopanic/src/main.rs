@@ -25,22 +25,22 @@ mod board {
         unsafe { tautline_step_may_panic() }
     }
 
-    /// The step, as the board's interrupt calls it.
+    /// The step and what follows it, as the board's interrupt calls them.
     #[unsafe(no_mangle)]
     pub extern "Rust" fn tautline_step(
         vehicle: &mut Vehicle<f32>,
         input: &StepInput,
-        out: &mut StepOutput<f32>,
+        out: &mut StepOutput,
     ) {
         *out = vehicle.step(input);
+        vehicle.maintain();
         #[cfg(feature = "canary")]
         assert!(out.now.0 != 7, "reachable");
     }
 
     /// Keeps the step from being discarded.
     #[unsafe(no_mangle)]
-    pub static TAUTLINE_KEEP: fn(&mut Vehicle<f32>, &StepInput, &mut StepOutput<f32>) =
-        tautline_step;
+    pub static TAUTLINE_KEEP: fn(&mut Vehicle<f32>, &StepInput, &mut StepOutput) = tautline_step;
 
     #[unsafe(no_mangle)]
     pub extern "C" fn _start() -> usize {

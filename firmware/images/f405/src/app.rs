@@ -1,4 +1,5 @@
-//! Tasks and what they share.
+//! Tasks and what they share. RTIC wants vectors, priorities and resources in the image's own crate, so both families
+//! write them; what the tasks do is shared.
 
 use crate::{board, telemetry};
 use heapless::spsc::{Consumer, Producer, Queue};

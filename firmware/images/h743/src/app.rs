@@ -1,4 +1,4 @@
-//! Vectors and priorities of the tasks, and what they share.
+//! Vectors and priorities of the tasks, and what they share; as in the other family's image, whose crate this is not.
 
 use crate::{board, motors};
 use heapless::spsc::{Consumer, Producer, Queue};

@@ -25,7 +25,7 @@ pub struct ElevationAttitude<S> {
 }
 
 impl<S: Scalar> ElevationAttitudeStatic<S> {
-    /// From real poles, 1/s.
+    /// From real poles, 1/s. Like the force law's but for what its second output is.
     ///
     /// # Errors
     /// [`Invalid`] naming `elevation_poles`, `pitch_poles`, `damping` or `threshold`.

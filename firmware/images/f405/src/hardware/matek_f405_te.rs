@@ -1,5 +1,7 @@
 //! Matek F405-TE: which pin is what.
 //!
+//! Written out whole, also where two boards agree: wiring is read, and changed, a board at a time.
+//!
 //! Pins as ArduPilot's and Betaflight's board files give them. The inertial sensor's axes are parameters' business:
 //! body = (-y, x, z) of the chip.
 

@@ -76,7 +76,7 @@ impl Memory {
     }
 }
 
-/// Everything on the board.
+/// Everything on the board. Emulated and real differ in the types behind the names, not in the names.
 pub struct Board {
     pub imu: ImuBus,
     pub motors: Motors,
