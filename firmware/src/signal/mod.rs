@@ -14,7 +14,4 @@ pub use event::{Event, EventQueue, Severity};
 pub use per_rotor::{MAX_ROTORS, PerRotor};
 pub use reference::{FlightReference, LoadReference, PlanarReference, SphericalPoint, TautPurpose};
 pub use request::{Action, Outcome, Reply, Request, Sticks, Ticket};
-pub use sensors::{
-    Battery, Capture, Imu, ImuHealth, RawBarometer, RawBattery, RawCapture, RawImu, RawRange,
-    RawTether, Sensors,
-};
+pub use sensors::*;
