@@ -49,7 +49,9 @@ fn the_attitude_filter_agrees_in_all_scalars() {
 fn thrusts<S: Scalar>(roll: f64, yaw: f64) -> PerRotor<f32> {
     let mixer = Mixer::<S>::new(&Params::default());
     let map = ThrustMap::<S>::new(&Params::default());
-    let (f, _) = mixer.step(&Wrench { thrust: S::lit(15.0), torque: Body(v(roll, -0.2, yaw)) });
+    let wrench = Wrench { thrust: S::lit(15.0), torque: Body(v(roll, -0.2, yaw)) };
+    let mut f = mixer.each(S::zero());
+    mixer.step(&wrench, &mut f);
     f.map(|thrust| map.throttle(thrust, Some(S::lit(14.8))).to_f32())
 }
 

@@ -173,13 +173,14 @@ pub fn check_mixer<S: Scalar + Into<f64>>(file: &Value, bound: f64) {
         (mixer.min, mixer.max) = (S::lit(0.05), s(c, "fmax"));
         mixer.priority = Priority::Clip;
         let wrench = Wrench { thrust: s(c, "T"), torque: Body(vec3(c, "tau")) };
-        let (thrusts, report) = mixer.step(&wrench);
+        let mut thrusts = mixer.each(S::zero());
+        let report = mixer.step(&wrench, &mut thrusts);
         check.all(&name, thrusts.iter().copied(), list(c, "f"));
         // Where nothing is at its limit, the priority makes no difference.
         if !report.thrust_is_saturated {
             mixer.priority = Priority::TiltFirst;
-            let (first, _) = mixer.step(&wrench);
-            check.all(&name, first.iter().copied(), list(c, "f"));
+            mixer.step(&wrench, &mut thrusts);
+            check.all(&name, thrusts.iter().copied(), list(c, "f"));
         }
     }
 }

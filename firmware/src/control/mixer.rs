@@ -15,12 +15,32 @@ pub enum Priority {
     TiltFirst,
 }
 
-/// How much a rotor takes part in roll, pitch and yaw, -1 to 1: 1 for the one that does most.
+/// How much a rotor takes part in roll, pitch and yaw.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Part<S> {
-    roll: S,
-    pitch: S,
-    yaw: S,
+    roll: Share<S>,
+    pitch: Share<S>,
+    yaw: Share<S>,
+}
+
+/// Of an axis, -1 to 1: 1 for the rotor that does most.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Share<S>(S);
+
+impl<S: Scalar> Share<S> {
+    /// A product in fixed point costs twenty signs, and most shares are whole.
+    #[inline(always)]
+    fn of(self, x: S) -> S {
+        if S::IS_FLOATING {
+            self.0 * x
+        } else if self.0 == S::one() {
+            x
+        } else if self.0 == -S::one() {
+            -x
+        } else {
+            self.0 * x
+        }
+    }
 }
 
 /// Geometry and limits.
@@ -64,9 +84,9 @@ impl<S: Scalar> Mixer<S> {
         let share = |most: f32, sum: f32| S::from_f32(most / sum.max(f32::MIN_POSITIVE));
         Self {
             parts: rotors.map(|r| Part {
-                roll: S::from_f32(-r.y / y),
-                pitch: S::from_f32(r.x / x),
-                yaw: S::from_f32(r.spin / spin),
+                roll: Share(S::from_f32(-r.y / y)),
+                pitch: Share(S::from_f32(r.x / x)),
+                yaw: Share(S::from_f32(r.spin / spin)),
             }),
             shares: [
                 S::from_f32(1.0 / rotors.len().max(1) as f32),
@@ -88,9 +108,8 @@ impl<S: Scalar> Mixer<S> {
         PerRotor::all(self.parts.len(), value)
     }
 
-    /// Rotor thrusts, N, each within the limits, and what had to be cut.
-    #[must_use]
-    pub fn step(&self, wrench: &Wrench<S>) -> (PerRotor<S>, MixerReport) {
+    /// Rotor thrusts, N, each within the limits, into their slots; and what had to be cut.
+    pub fn step(&self, wrench: &Wrench<S>, thrusts: &mut [S]) -> MixerReport {
         let torque = &wrench.torque.0;
         let [thrust_share, roll_share, pitch_share, yaw_share] = self.shares;
         let mut mean = wrench.thrust * thrust_share;
@@ -100,23 +119,33 @@ impl<S: Scalar> Mixer<S> {
         let mut yaw = wanted_yaw.limit_abs(mean.max(S::zero()) * S::lit(YAW_SHARE));
 
         let mut report = MixerReport::default();
+        let load = self.ask(mean, [roll, pitch, yaw], thrusts);
+        let span = self.max - self.min;
+        let two = S::lit(2.0);
+        let mut tilt = load.tilt;
+        // The usual case: every rotor can give what it is asked, with room for yaw.
+        let fits = tilt * two <= span
+            && yaw.abs() <= span / two - tilt
+            && load.least >= self.min
+            && load.most <= self.max;
+        if fits {
+            report.yaw_is_saturated = yaw != wanted_yaw;
+            return report;
+        }
         if self.priority == Priority::TiltFirst {
-            let span = self.max - self.min;
-            let two = S::lit(2.0);
-            let tilt = self.most_tilt(roll, pitch);
             if tilt * two > span {
                 let shrink = span / (tilt * two);
                 roll *= shrink;
                 pitch *= shrink;
+                tilt = self.ask(mean, [roll, pitch, yaw], thrusts).tilt.min(span / two);
                 report.tilt_is_saturated = true;
             }
-            let tilt = self.most_tilt(roll, pitch).min(span / two);
             // Room that the tilt leaves, once the mean may move: half the span minus the tilt.
             yaw = yaw.limit_abs(span / two - tilt);
             // The rotors that roll, pitch and yaw together load most and least.
             let (mut top, mut bottom) = (S::zero(), S::zero());
             for part in self.parts.iter() {
-                let more = part.roll * roll + part.pitch * pitch + part.yaw * yaw;
+                let more = part.roll.of(roll) + part.pitch.of(pitch) + part.yaw.of(yaw);
                 top = top.max(more);
                 bottom = bottom.max(-more);
             }
@@ -125,26 +154,39 @@ impl<S: Scalar> Mixer<S> {
             mean = fitted;
         }
         report.yaw_is_saturated = yaw != wanted_yaw;
-        let mut is_clipped = false;
-        let mut thrusts = self.each(S::zero());
-        for (thrust, part) in thrusts.iter_mut().zip(self.parts.iter()) {
-            let asked = mean + part.roll * roll + part.pitch * pitch + part.yaw * yaw;
-            *thrust = asked.limit(self.min, self.max);
-            is_clipped |= *thrust != asked;
-        }
-        if self.priority == Priority::Clip && is_clipped {
+        let load = self.ask(mean, [roll, pitch, yaw], thrusts);
+        if self.priority == Priority::Clip && (load.least < self.min || load.most > self.max) {
             report.tilt_is_saturated = true;
             report.thrust_is_saturated = true;
         }
-        (thrusts, report)
+        for thrust in thrusts.iter_mut() {
+            *thrust = thrust.limit(self.min, self.max);
+        }
+        report
     }
 
-    /// What roll and pitch ask of the rotor that they load most, N.
-    fn most_tilt(&self, roll: S, pitch: S) -> S {
-        self.parts
-            .iter()
-            .fold(S::zero(), |most, part| most.max((part.roll * roll + part.pitch * pitch).abs()))
+    /// What mean, roll, pitch and yaw ask of each rotor, N, into its slot.
+    fn ask(&self, mean: S, [roll, pitch, yaw]: [S; 3], thrusts: &mut [S]) -> Load<S> {
+        let mut load = Load { tilt: S::zero(), least: self.max, most: self.min };
+        for (thrust, part) in thrusts.iter_mut().zip(self.parts.iter()) {
+            let (roll, pitch) = (part.roll.of(roll), part.pitch.of(pitch));
+            let asked = mean + roll + pitch + part.yaw.of(yaw);
+            load.tilt = load.tilt.max((roll + pitch).abs());
+            load.least = load.least.min(asked);
+            load.most = load.most.max(asked);
+            *thrust = asked;
+        }
+        load
     }
+}
+
+/// Of all rotors, N.
+struct Load<S> {
+    /// The most that roll and pitch together ask of one.
+    tilt: S,
+    /// The least and the most that one is asked.
+    least: S,
+    most: S,
 }
 
 #[cfg(test)]
@@ -154,6 +196,12 @@ mod tests {
 
     fn mixer() -> Mixer<f64> {
         Mixer::new(&Params::default())
+    }
+
+    fn mix(m: &Mixer<f64>, wrench: &Wrench<f64>) -> (PerRotor<f64>, MixerReport) {
+        let mut thrusts = m.each(0.0);
+        let report = m.step(wrench, &mut thrusts);
+        (thrusts, report)
     }
 
     fn wrench_of(m: &Mixer<f64>, thrusts: &[f64]) -> (f64, V3<f64>) {
@@ -168,7 +216,7 @@ mod tests {
     fn a_feasible_wrench_is_given_exactly() {
         let m = mixer();
         let torque = V3::new(0.3, -0.2, 0.02);
-        let (f, report) = m.step(&Wrench { thrust: 15.0, torque: Body(torque) });
+        let (f, report) = mix(&m, &Wrench { thrust: 15.0, torque: Body(torque) });
         let (thrust, got) = wrench_of(&m, &f);
         assert!((thrust - 15.0).abs() < 1e-9 && (got - torque).norm() < 1e-9);
         assert_eq!(report, MixerReport::default());
@@ -182,7 +230,7 @@ mod tests {
             let (roll, pitch) = (x(1) * 3.0, x(2) * 3.0);
             let asked =
                 Wrench { thrust: 16.0 * (1.0 + x(3)), torque: Body(V3::new(roll, pitch, x(4))) };
-            let (f, report) = m.step(&asked);
+            let (f, report) = mix(&m, &asked);
             assert!(f.iter().all(|&t| t >= m.min && t <= m.max));
             let (thrust, got) = wrench_of(&m, &f);
             if report.tilt_is_saturated {
@@ -216,7 +264,7 @@ mod tests {
         let rotors = hexa();
         let m = Mixer::<f64>::for_rotors(&rotors, &Params::default());
         let torque = V3::new(0.4, -0.3, 0.05);
-        let (f, report) = m.step(&Wrench { thrust: 20.0, torque: Body(torque) });
+        let (f, report) = mix(&m, &Wrench { thrust: 20.0, torque: Body(torque) });
         assert_eq!((f.len(), report), (6, MixerReport::default()));
         let sum = |of: fn(f64, f64, f64) -> f64| {
             let each = rotors.iter().zip(f.iter());

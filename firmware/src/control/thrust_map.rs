@@ -30,6 +30,19 @@ impl<S: Scalar> ThrustMap<S> {
     /// nominal one) counts as nominal.
     #[must_use]
     pub fn throttle(&self, thrust: S, voltage: Option<S>) -> S {
+        self.throttle_of(thrust, self.full_thrust(voltage))
+    }
+
+    /// Throttles of all rotors, into their slots.
+    pub fn throttles(&self, thrusts: &[S], voltage: Option<S>, throttles: &mut [S]) {
+        let full = self.full_thrust(voltage);
+        for (throttle, thrust) in throttles.iter_mut().zip(thrusts) {
+            *throttle = self.throttle_of(*thrust, full);
+        }
+    }
+
+    /// Of a rotor at full throttle, N.
+    fn full_thrust(&self, voltage: Option<S>) -> S {
         let sag = match (self.nominal_voltage, voltage) {
             (Some(nominal), Some(v)) if v > nominal * S::lit(0.5) && v < nominal * S::lit(1.5) => {
                 let ratio = v / nominal;
@@ -37,7 +50,12 @@ impl<S: Scalar> ThrustMap<S> {
             }
             _ => S::one(),
         };
-        let y = (thrust / (self.thrust_max * sag)).limit(S::zero(), S::one());
+        self.thrust_max * sag
+    }
+
+    #[inline]
+    fn throttle_of(&self, thrust: S, full: S) -> S {
+        let y = (thrust / full).limit(S::zero(), S::one());
         let linear = S::one() - self.factor;
         let root = (linear * linear + S::lit(4.0) * self.factor * y).sqrt();
         // The stable form of the quadratic's root: no division by a small factor.

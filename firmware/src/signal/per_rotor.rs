@@ -21,7 +21,7 @@ impl<T: Copy + Default> PerRotor<T> {
 
     /// Another value for each.
     #[must_use]
-    pub fn map<U: Copy + Default>(&self, f: impl Fn(T) -> U) -> PerRotor<U> {
+    pub fn map<U: Copy + Default>(&self, mut f: impl FnMut(T) -> U) -> PerRotor<U> {
         let mut mapped = PerRotor::all(self.len(), U::default());
         for (to, from) in mapped.iter_mut().zip(self.iter()) {
             *to = f(*from);

@@ -296,8 +296,8 @@ impl<S: Scalar> Vehicle<S> {
         state.actuation.is_armed = is_armed;
         state.actuation.winch = WinchCommand { tension: situation.setpoints.tension };
         if !is_armed {
-            state.actuation.thrusts = self.config.mixer.each(S::zero());
-            state.actuation.throttle = self.config.mixer.each(S::zero());
+            state.actuation.thrusts.fill(S::zero());
+            state.actuation.throttle.fill(S::zero());
             situation.mixer = MixerReport::default();
             state.wrench = Wrench { thrust: S::zero(), torque: Body(V3::zeros()) };
             state.rate = RateState::default();
@@ -306,7 +306,7 @@ impl<S: Scalar> Vehicle<S> {
         let voltage = sensors.battery.map(|battery| battery.voltage);
         if situation.setpoints.ground == GroundState::OnGround {
             let idle = self.config.mixer.min;
-            state.actuation.thrusts = self.config.mixer.each(idle);
+            state.actuation.thrusts.fill(idle);
             state.rate = RateState::default();
         } else if sensors.imu.is_some() {
             let estimate = &situation.estimate;
@@ -337,11 +337,9 @@ impl<S: Scalar> Vehicle<S> {
             let thrust = situation.setpoints.attitude.thrust * state.contact_ramp
                 / self.config.constants.thrust_scale;
             state.wrench = Wrench { thrust, torque };
-            let (thrusts, report) = self.config.mixer.step(&state.wrench);
-            state.actuation.thrusts = thrusts;
-            situation.mixer = report;
+            situation.mixer = self.config.mixer.step(&state.wrench, &mut state.actuation.thrusts);
         }
-        state.actuation.throttle =
-            state.actuation.thrusts.map(|thrust| self.config.thrust_map.throttle(thrust, voltage));
+        let Actuation { thrusts, throttle, .. } = &mut state.actuation;
+        self.config.thrust_map.throttles(thrusts, voltage, throttle);
     }
 }

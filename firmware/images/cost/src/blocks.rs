@@ -93,9 +93,11 @@ pub fn common<S: Scalar>(meter: &mut Meter, scalar: &str) {
     let mixer = Mixer::<S>::new(&params);
     let map = ThrustMap::<S>::new(&params);
     let wrench = Wrench { thrust: l(15.0), torque: Body(v(0.1, -0.2, 0.05)) };
+    let mut thrusts = mixer.each(S::zero());
+    let mut throttles = thrusts;
     meter.measure("mixer and thrust map", scalar, || {
-        let (thrusts, _) = mixer.step(black_box(&wrench));
-        black_box(thrusts.map(|thrust| map.throttle(thrust, Some(l(14.8)))));
+        black_box(mixer.step(black_box(&wrench), &mut thrusts));
+        map.throttles(black_box(&thrusts), Some(l(14.8)), black_box(&mut throttles));
     });
 }
 
