@@ -1,7 +1,7 @@
 //! `localization.json`: plant, recorded flight, and the simulated tables. Random numbers are our own, so
 //! that what is random is compared as statistics.
 
-use super::localization::SINGLE;
+use super::inventory::unread_key;
 use super::{Check, cases, folder, list, num};
 use serde_json::Value;
 use tautline_firmware::estimate::localization::ErrorStateNoise;
@@ -15,8 +15,28 @@ use tautline_sitl::plant::V3;
 /// Groups checked here.
 pub const WORLDS: [&str; 4] = ["deriv_6dof", "csv_run", "table2", "sweeps"];
 
-pub fn is_known(group: &str) -> bool {
-    SINGLE.contains(&group) || WORLDS.contains(&group) || group == "sysid" || group == "meta"
+const SWEEPS: [&str; 3] = ["altitude", "velocity", "robustness"];
+
+/// What the name of a robustness run may be made of, but for numbers.
+const WORDS: [&str; 12] =
+    ["thrust", "acc", "bias", "low-noise", "att", "noise", "alt", "std", "fc", "g", "deg", ""];
+
+/// A sweep or a robustness run that nobody flies.
+pub fn unknown_part(sweeps: &Value) -> Option<String> {
+    if let Some(name) = unread_key(sweeps, &SWEEPS) {
+        return Some(format!("sweep {name}"));
+    }
+    if let Some((name, _)) =
+        sweeps.as_object()?.iter().find(|(_, runs)| runs.as_array().is_none_or(Vec::is_empty))
+    {
+        return Some(format!("empty sweep {name}"));
+    }
+    let names = sweeps.get("robustness").and_then(Value::as_array).into_iter().flatten();
+    names.filter_map(|run| run["value"].as_str()).find_map(|name| {
+        let number = |c: char| c.is_ascii_digit() || "+-.%=".contains(c);
+        let word = name.split([' ', ',']).find(|w| !WORDS.contains(&w.trim_matches(number)))?;
+        Some(format!("setting {word}"))
+    })
 }
 
 pub fn derivatives(file: &Value) {

@@ -3,6 +3,7 @@
 pub mod fullstate;
 pub mod inertial;
 pub mod inertial_worlds;
+pub mod inventory;
 pub mod localization;
 pub mod localization_worlds;
 pub mod pendulum;
@@ -22,9 +23,11 @@ pub fn folder() -> PathBuf {
     std::env::var_os("GOLDEN_DIR").map_or_else(own, PathBuf::from)
 }
 
-/// A file of the folder; `None` where it is absent.
+/// A file of the folder; `None` where it is absent, but not in a folder without any.
 pub fn file(name: &str) -> Option<Value> {
-    let text = std::fs::read_to_string(folder().join(name)).ok()?;
+    inventory::folder_holds_vectors(&folder()).unwrap();
+    let path = folder().join(name);
+    let text = path.exists().then(|| std::fs::read_to_string(path).unwrap())?;
     Some(serde_json::from_str(&text).unwrap_or_else(|e| panic!("{name}: {e}")))
 }
 

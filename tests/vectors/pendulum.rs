@@ -37,22 +37,17 @@ pub const DOUBLE: Bounds =
 pub const SINGLE: Bounds =
     Bounds { values: 1e-3, thrust: 1e-4, rate: 1e-3, filter: 1e-4, covariance: 1e-3 };
 
-pub fn is_known(group: &str) -> bool {
-    [
-        "note",
-        "seed",
-        "controller",
-        "controller_saturated",
-        "kf_step",
-        "kf_sequence",
-        "reference",
-        "soft_start",
-        "plant_step",
-        "e1_step",
-        "closed_loop",
-    ]
-    .contains(&group)
-}
+pub const GROUPS: [&str; 9] = [
+    "controller",
+    "controller_saturated",
+    "kf_step",
+    "kf_sequence",
+    "reference",
+    "soft_start",
+    "plant_step",
+    "e1_step",
+    "closed_loop",
+];
 
 pub fn model<S: Scalar>(par: &Value) -> PendulumModel<S> {
     PendulumModel::try_new(s(par, "mQ"), s(par, "mL"), s(par, "l"))

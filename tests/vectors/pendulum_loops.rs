@@ -87,7 +87,15 @@ fn not_understood(options: &Value) -> Option<String> {
             return Some(format!("{key} = {value}"));
         }
     }
+    let is_one_of = |key: &str, values: &[f64]| values.contains(&num(options, key));
+    if !is_one_of("controller", &[0.0, 1.0]) {
+        return Some("controller".to_owned());
+    }
     (options["kf_mid"] != 1).then(|| "kf_mid".to_owned())
+}
+
+pub fn unknown_setting(case: &Value) -> Option<String> {
+    not_understood(&case["options"])
 }
 
 fn run(c: &Value) -> PendulumRun<f64> {

@@ -1,5 +1,6 @@
 //! `localization.json`, group `sysid`: preparation and every model structure on the public record.
 
+use super::inventory::unread_key;
 use super::{Check, folder, list, num};
 use serde_json::Value;
 use tautline_sitl::sysid::{Model, identify, low_pass_channel, prepare, read_csv};
@@ -7,6 +8,11 @@ use tautline_sitl::sysid::{Model, identify, low_pass_channel, prepare, read_csv}
 /// Key of each structure in the file, in the table's order, and how far its fit may be off, %.
 const RESULTS: [(&str, f64); 6] =
     [("tf", 0.3), ("process", 0.3), ("arx", 0.3), ("armax", 1.0), ("bj", 1.0), ("ss", 2.0)];
+
+/// A model structure of the table that nothing here identifies.
+pub fn unknown_part(sysid: &Value) -> Option<String> {
+    unread_key(&sysid["results"], &RESULTS.map(|(key, _)| key)).map(|key| format!("model {key}"))
+}
 
 /// The filter's response to an impulse, behind the reference's denominator, is the reference's numerator.
 fn check_filter(check: &mut Check, c: &Value) {
