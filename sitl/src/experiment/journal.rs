@@ -1,7 +1,7 @@
 //! The journal article's section VI.
 
 use super::pictures::{self, ScanPanel, TimeSeries};
-use super::{Compare, Overrides, Report, scan};
+use super::{Band, Compare, Overrides, Report, scan};
 use crate::bench::planar::{BranchChoice, LawKind, PlanarScenario, PlanarSummary};
 
 /// The article's three durations, s.
@@ -206,13 +206,20 @@ pub fn parameters(settings: &Overrides) -> Result<Report, String> {
     report.add(
         "Γb T7: article's error, mass -10 %, 1",
         error(under_b),
-        Compare::Refuted("under-estimating the mass is the better side for Γb"),
+        // No random numbers: a tenth leaves room for another rounding and another step.
+        Compare::Refuted {
+            claim: "under-estimating the mass is the better side for Γb",
+            ours: Band::around(0.360, 0.1),
+        },
     );
     report.add("Γb T7: article's error, mass +10 %, 1", error(over_b), Compare::Alone);
     report.add(
         "Γa' T7: article's error, mass +10 % (Γb beside it above), 1",
         error(over_a),
-        Compare::Refuted("Γa' is more robust than Γb in mean tracking error"),
+        Compare::Refuted {
+            claim: "Γa' is more robust than Γb in mean tracking error",
+            ours: Band::around(0.518, 0.1),
+        },
     );
     report.notes.push(
         "The article does not give its hold durations, on which this mean depends; ours are 5 s. With a \
@@ -296,11 +303,16 @@ pub fn general_model(settings: &Overrides) -> Result<Report, String> {
             Compare::Claim(stable, !s.is_lost()),
         );
     }
-    report.add("Γb T3, link 20 %: elevation rms, rad", h3.rms[0], Compare::Refuted(stable));
+    // Both tumble, and how far depends on every rounding: a quarter.
+    report.add(
+        "Γb T3, link 20 %: elevation rms, rad",
+        h3.rms[0],
+        Compare::Refuted { claim: stable, ours: Band::around(1.185, 0.25) },
+    );
     report.add(
         "Γb plausible case, article's poles: elevation rms, rad",
         plausible.rms[0],
-        Compare::Refuted("stable near the reference"),
+        Compare::Refuted { claim: "stable near the reference", ours: Band::around(0.813, 0.25) },
     );
     report.add(
         "Γb plausible case, poles doubled: elevation error at the end, rad",
@@ -340,7 +352,10 @@ pub fn noise(settings: &Overrides) -> Result<Report, String> {
         let s = &trace.summary;
         let is_lost = f64::from(u8::from(s.is_lost()));
         let compare = match (law, epsilon) {
-            (_, 0.1) => Compare::Refuted("bounded with the published gains"),
+            (_, 0.1) => Compare::Refuted {
+                claim: "bounded with the published gains",
+                ours: Band::new(1.0, 1.0),
+            },
             (LawKind::Force, e) if *e > 0.6 => Compare::Claim(
                 "small and bounded with reduced gains",
                 !s.is_lost() && s.rms[0] < 0.1,
@@ -394,12 +409,14 @@ pub fn motors(settings: &Overrides) -> Result<Report, String> {
                     }
                     let modelled = if is_modelled { "told" } else { "not told" };
                     let is_claimed = *lag <= 0.08;
-                    let expected = is_modelled || law == LawKind::Force && duration > 3.5;
-                    let compare = match (is_claimed, expected) {
+                    // The shorter the move and the longer the lag, the sooner; Γa' before Γb.
+                    let shortest = if law == LawKind::Force { 3.0 } else { 5.0 };
+                    let is_lost_here = !is_modelled
+                        && (duration < shortest || duration == shortest && *lag > 0.03);
+                    let compare = match (is_claimed, is_lost_here) {
                         (false, _) => Compare::Alone,
-                        (true, true) => Compare::Claim(CLAIM, !s.is_lost()),
-                        (true, false) if s.is_lost() => Compare::Refuted(CLAIM),
-                        (true, false) => Compare::Claim(CLAIM, true),
+                        (true, false) => Compare::Claim(CLAIM, !s.is_lost()),
+                        (true, true) => Compare::Refuted { claim: CLAIM, ours: Band::LOST },
                     };
                     report.add(
                         format!(

@@ -18,7 +18,7 @@ mod tether_angle;
 mod thrust;
 mod thrust_flight;
 
-pub use report::{Compare, Line, Picture, Report};
+pub use report::{Band, Compare, Line, Picture, Report};
 
 use crate::bench::planar::PlanarScenario;
 use crate::scenario::settings;

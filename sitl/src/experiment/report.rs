@@ -15,6 +15,42 @@ pub struct Picture {
     pub draw: Draw,
 }
 
+/// Where our own figure lies if it differs from the published one: one that drifts out of it fails.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Band {
+    low: f64,
+    high: f64,
+}
+
+impl Band {
+    /// A run that is lost, shown as infinite.
+    pub const LOST: Self = Self { low: f64::INFINITY, high: f64::INFINITY };
+
+    /// From and to, both included.
+    #[must_use]
+    pub const fn new(low: f64, high: f64) -> Self {
+        Self { low, high }
+    }
+
+    /// This share of the value to either side.
+    #[must_use]
+    pub fn around(value: f64, share: f64) -> Self {
+        let slack = share * value.abs();
+        Self { low: value - slack, high: value + slack }
+    }
+
+    fn contains(self, ours: f64) -> bool {
+        (self.low..=self.high).contains(&ours)
+    }
+
+    fn text(self) -> String {
+        if self == Self::LOST {
+            return "ours is lost".into();
+        }
+        format!("ours is {} to {}", number(self.low), number(self.high))
+    }
+}
+
 /// Against what a figure stands.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Compare {
@@ -33,14 +69,21 @@ pub enum Compare {
     },
     /// A published claim in words, and whether it holds.
     Claim(&'static str, bool),
-    /// A published claim that we know not to hold here; does not fail the experiment.
-    Refuted(&'static str),
+    /// A published claim that we know not to hold here.
+    Refuted {
+        /// The claim.
+        claim: &'static str,
+        /// Ours.
+        ours: Band,
+    },
     /// Differs from the reference, and we know why.
     Explained {
         /// Expected.
         value: f64,
         /// Why it differs.
         why: &'static str,
+        /// Ours.
+        ours: Band,
     },
 }
 
@@ -60,7 +103,10 @@ impl Line {
     #[must_use]
     pub fn passes(&self) -> bool {
         match self.compare {
-            Compare::Alone | Compare::Refuted(_) | Compare::Explained { .. } => true,
+            Compare::Alone => true,
+            Compare::Refuted { ours, .. } | Compare::Explained { ours, .. } => {
+                ours.contains(self.ours)
+            }
             Compare::AtMost(limit) => self.ours <= limit,
             Compare::Near { value, share, slack } => {
                 let off = (self.ours - value).abs();
@@ -86,15 +132,19 @@ impl Line {
             Compare::Alone => String::new(),
             Compare::AtMost(limit) => format!("limit {}", number(limit)),
             Compare::Near { value, .. } => format!("reference {}", number(value)),
-            Compare::Explained { value, why } => format!("reference {}; {why}", number(value)),
+            Compare::Explained { value, why, ours } => {
+                format!("reference {}; {why}; {}", number(value), ours.text())
+            }
             Compare::Claim(claim, _) => format!("claimed: {claim}"),
-            Compare::Refuted(claim) => format!("claimed: {claim}; not reproduced"),
+            Compare::Refuted { claim, ours } => {
+                format!("claimed: {claim}; not reproduced, {}", ours.text())
+            }
         };
         let verdict = match self.compare {
             Compare::Alone => "",
-            Compare::Refuted(_) | Compare::Explained { .. } => "DIFFERS",
-            _ if self.passes() => "ok",
-            _ => "FAILS",
+            _ if !self.passes() => "FAILS",
+            Compare::Refuted { .. } | Compare::Explained { .. } => "DIFFERS",
+            _ => "ok",
         };
         format!("{:<58} {:>10}  {verdict:<7} {theirs}", self.name, number(self.ours))
     }
@@ -196,6 +246,25 @@ mod tests {
             identifier("Γa' T5, mass -15 %, elevation rms, rad"),
             "gamma_a_prime_t5_mass_minus15_percent_elevation_rms_rad"
         );
+    }
+
+    #[test]
+    fn a_figure_that_differs_from_the_published_one_fails_outside_its_own_band() {
+        let passes = |ours: f64, band| {
+            let refuted = Compare::Refuted { claim: "stable", ours: band };
+            let explained = Compare::Explained { value: 9.0, why: "another record", ours: band };
+            let lines =
+                [refuted, explained].map(|compare| Line { name: "x".into(), ours, compare });
+            let [a, b] = lines.each_ref().map(Line::passes);
+            assert_eq!(a, b);
+            assert!(lines.iter().all(|l| l.text().contains(if a { "DIFFERS" } else { "FAILS" })));
+            a
+        };
+        assert!(passes(2.0, Band::new(1.0, 2.0)) && passes(1.0, Band::around(1.1, 0.1)));
+        assert!(!passes(2.1, Band::new(1.0, 2.0)) && !passes(0.9, Band::new(1.0, 2.0)));
+        assert!(!passes(f64::NAN, Band::new(1.0, 2.0)) && !passes(f64::NAN, Band::LOST));
+        assert!(passes(f64::INFINITY, Band::LOST) && !passes(3.0, Band::LOST));
+        assert!(!passes(f64::INFINITY, Band::new(1.0, 2.0)));
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! `planar` section 10: what still flies, and how badly. Ours beside the reference's, within 20 %.
 
 use super::journal::{single, with_error};
-use super::{Compare, Overrides, Report, scan};
+use super::{Band, Compare, Overrides, Report, scan};
 use crate::bench::planar::{LawKind, PlanarScenario};
 use crate::campaign::parallel;
 
@@ -270,7 +270,12 @@ fn noise(settings: &Overrides, report: &mut Report) -> Result<(), String> {
         let compare = if expected == LOST {
             Compare::Claim("lost in the reference too", ours == LOST)
         } else if law == LawKind::Attitude && epsilon > 0.9 && rate_hz < 500.0 {
-            Compare::Explained { value: expected, why: "40 seeds spread from 0.07 to 0.45" }
+            // The mean of five seeds: 0.15 to 0.21 from six first seeds; twice that spread.
+            Compare::Explained {
+                value: expected,
+                why: "40 seeds spread from 0.07 to 0.45",
+                ours: Band::new(0.12, 0.27),
+            }
         } else {
             Compare::Near { value: expected, share: 0.5, slack: 0.003 }
         };

@@ -2,7 +2,7 @@
 
 use super::cases::{add_error, mean, traces};
 use crate::bench::pendulum::{PendulumRow, PendulumScenario, PendulumTrace};
-use crate::experiment::{Compare, Overrides, Report};
+use crate::experiment::{Band, Compare, Overrides, Report};
 use crate::report::chart::{ESTIMATE, Line, Panel, SETPOINT, THIRD, TRUTH};
 use crate::report::grid::grid;
 use crate::report::space::{Curve, curves};
@@ -36,7 +36,12 @@ pub fn hardware(settings: &Overrides) -> Result<Report, String> {
         (
             "the same, thrust 8 % weak",
             PendulumScenario { thrust_error: -0.08, ..plausible.clone() },
-            Compare::Explained { value: PUBLISHED.0, why: "published; its vehicle is not known" },
+            // 10.01 to 10.04 on six seeds: what is random averages out over a circle.
+            Compare::Explained {
+                value: PUBLISHED.0,
+                why: "published; its vehicle is not known",
+                ours: Band::around(10.03, 0.05),
+            },
         ),
     ];
     let mut picture = None;

@@ -2,7 +2,7 @@
 
 use crate::bench::tether_angle::{AnchorMotion, AngleScenario, SpatialTrace, fly_spatial};
 use crate::campaign::parallel;
-use crate::experiment::{Compare, Overrides, Report};
+use crate::experiment::{Band, Compare, Overrides, Report};
 use crate::report::chart::{ESTIMATE, Line, Panel, TRUTH};
 use crate::report::grid::grid;
 
@@ -111,7 +111,11 @@ pub fn space(settings: &Overrides) -> Result<Report, String> {
     report.add(
         "25, 15 deg: bias, deg",
         bias,
-        Compare::Refuted("a significant bias of the tether angle in 3-D"),
+        // A median over seeds, 0.014 at most on six first seeds; the article's picture shows several degrees.
+        Compare::Refuted {
+            claim: "a significant bias of the tether angle in 3-D",
+            ours: Band::new(-0.3, 0.3),
+        },
     );
     report.notes.push(
         "The article's bias in 3-D does not appear with a right thrust; 4 % of thrust error gives 5 deg. \
