@@ -64,7 +64,7 @@ fn fly_clients(python: &str) -> Outcome {
 
 /// A few seeds of each table; the whole table is `cargo sitl campaign FILE --out DIR`.
 fn campaigns() -> Outcome {
-    for name in ["calm", "gusts-3", "fixed"] {
+    for name in ["calm", "gusts-3", "gusts-5", "fixed", "fixed-gusts-3"] {
         let file = format!("sitl/campaigns/{name}.toml");
         let out = format!("target/campaigns/{name}");
         run(sitl(), &["campaign", &file, "--seeds", "3", "--out", &out])?;
