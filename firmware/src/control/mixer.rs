@@ -124,10 +124,7 @@ impl<S: Scalar> Mixer<S> {
         let two = S::lit(2.0);
         let mut tilt = load.tilt;
         // The usual case: every rotor can give what it is asked, with room for yaw.
-        let fits = tilt * two <= span
-            && yaw.abs() <= span / two - tilt
-            && load.least >= self.min
-            && load.most <= self.max;
+        let fits = tilt * two <= span && yaw.abs() <= span / two - tilt && load.fits;
         if fits {
             report.yaw_is_saturated = yaw != wanted_yaw;
             return report;
@@ -155,25 +152,25 @@ impl<S: Scalar> Mixer<S> {
         }
         report.yaw_is_saturated = yaw != wanted_yaw;
         let load = self.ask(mean, [roll, pitch, yaw], thrusts);
-        if self.priority == Priority::Clip && (load.least < self.min || load.most > self.max) {
+        if self.priority == Priority::Clip && !load.fits {
             report.tilt_is_saturated = true;
             report.thrust_is_saturated = true;
         }
+        // Asked so, a wrench that is not a number gives the lowest thrusts.
         for thrust in thrusts.iter_mut() {
-            *thrust = thrust.limit(self.min, self.max);
+            *thrust = if *thrust > self.min { thrust.min(self.max) } else { self.min };
         }
         report
     }
 
     /// What mean, roll, pitch and yaw ask of each rotor, N, into its slot.
     fn ask(&self, mean: S, [roll, pitch, yaw]: [S; 3], thrusts: &mut [S]) -> Load<S> {
-        let mut load = Load { tilt: S::zero(), least: self.max, most: self.min };
+        let mut load = Load { tilt: S::zero(), fits: true };
         for (thrust, part) in thrusts.iter_mut().zip(self.parts.iter()) {
             let (roll, pitch) = (part.roll.of(roll), part.pitch.of(pitch));
             let asked = mean + roll + pitch + part.yaw.of(yaw);
             load.tilt = load.tilt.max((roll + pitch).abs());
-            load.least = load.least.min(asked);
-            load.most = load.most.max(asked);
+            load.fits &= asked >= self.min && asked <= self.max;
             *thrust = asked;
         }
         load
@@ -184,9 +181,8 @@ impl<S: Scalar> Mixer<S> {
 struct Load<S> {
     /// The most that roll and pitch together ask of one.
     tilt: S,
-    /// The least and the most that one is asked.
-    least: S,
-    most: S,
+    /// Each is within its limits.
+    fits: bool,
 }
 
 #[cfg(test)]

@@ -26,7 +26,7 @@ impl<S: Scalar> ThrustMap<S> {
         }
     }
 
-    /// Throttle, 0..1, for a thrust in N. An implausible voltage (below half or above 1.5 times the
+    /// Throttle, 0..1 for whatever thrust in N. An implausible voltage (below half or above 1.5 times the
     /// nominal one) counts as nominal.
     #[must_use]
     pub fn throttle(&self, thrust: S, voltage: Option<S>) -> S {
@@ -55,7 +55,9 @@ impl<S: Scalar> ThrustMap<S> {
 
     #[inline]
     fn throttle_of(&self, thrust: S, full: S) -> S {
-        let y = (thrust / full).limit(S::zero(), S::one());
+        let share = thrust / full;
+        // Asked so, a thrust that is not a number stops the rotor.
+        let y = if share > S::zero() { share.min(S::one()) } else { S::zero() };
         let linear = S::one() - self.factor;
         let root = (linear * linear + S::lit(4.0) * self.factor * y).sqrt();
         // The stable form of the quadratic's root: no division by a small factor.

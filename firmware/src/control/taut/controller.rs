@@ -4,7 +4,7 @@
 use super::{ElevationAttitude, ElevationForce, Inversion, Law, ThrustLimits, ThrustState};
 use crate::control::AttitudeCommand;
 use crate::estimate::taut::TautEstimate;
-use crate::fault::{Fault, Invalid};
+use crate::fault::{Fault, Invalid, all_finite};
 use crate::frames::{Body, V3};
 use crate::model::{PlanarModel, thrust_max};
 use crate::param::Params;
@@ -154,6 +154,7 @@ impl<S: Scalar> TautController<S> {
         let turn = rate.0.z / cos.max(S::lit(0.2));
         next.heading += turn * dt;
         let (roll_rate, cos_roll) = self.out_of_plane(now, turn * sin);
+        all_finite(&[next.pitch_rate, next.heading, roll_rate, cos_roll])?;
         *state = next;
         // The pitch of the plane is positive nose down.
         let zero = S::zero();
