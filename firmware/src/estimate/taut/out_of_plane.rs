@@ -133,6 +133,11 @@ impl<S: Scalar> OutOfPlaneFilter<S> {
 }
 
 impl<S: Scalar> OutOfPlaneState<S> {
+    /// Symmetric, in the order of the states, 16,384 times as large.
+    #[must_use]
+    pub fn covariance(&self) -> &Matrix4<S> {
+        &self.covariance
+    }
     /// Azimuth of the vehicle minus heading, rad.
     #[must_use]
     pub fn azimuth(&self) -> S {
