@@ -3,6 +3,7 @@
 mod ci;
 mod citations;
 mod cost;
+mod figures;
 mod images;
 mod install;
 mod params;
@@ -22,6 +23,7 @@ const USAGE: &str = "usage: cargo xtask TASK
   clients        the pymavlink and pyulog flights alone
   size           build all images, print flash and static RAM against their limits; --json
   cost           count instructions per call on emulated cores, write docs/cost.md; --check only compares; --json
+  figures        measure the README's figures by campaigns and experiments and write them; --check only compares
   flash IMAGE    build an image and write it to a board by probe-rs
   emulate        fly the F405 image under QEMU beside the same flights here; further arguments go to
                  `sitl emulate` (cargo sitl emulate --help)";
@@ -43,6 +45,8 @@ fn main() -> ExitCode {
         ["cost"] => cost::write(),
         ["cost", "--check"] => cost::check(),
         ["cost", "--json"] => cost::json(),
+        ["figures"] => figures::write(),
+        ["figures", "--check"] => figures::check(),
         ["flash", image] => images::flash(image),
         ["emulate", more @ ..] => images::emulate(more),
         ["help" | "--help" | "-h"] => {
