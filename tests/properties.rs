@@ -227,3 +227,43 @@ fn hover_gives_weight_and_an_error_gives_a_command_towards_the_reference() {
     let moved = controller.step(&mut PositionState::default(), &east, 0.004).force.0;
     assert!(moved.y > force.y + 1.0);
 }
+
+#[test]
+fn on_a_fixed_length_a_tension_beyond_its_limits_counts_as_the_limit() {
+    let p = Params { wind_feed_forward: 0.5, ..Params::default() };
+    let controller = PositionLoop::<f64>::new(&p);
+    let input = PositionInput {
+        position: World(V3::new(5.0, 1.0, -5.0)),
+        velocity: World(V3::new(0.1, -0.2, 0.1)),
+        wind: World(V3::zeros()),
+        direction: World(V3::new(0.7, 0.1, -0.7)),
+        reference_velocity: World(V3::zeros()),
+        length: 7.1,
+        length_rate: 0.0,
+        tension: 0.0,
+        radial_control: RadialControl::FixedLength,
+        hold_integral: true,
+    };
+    let force = |tension: f64, radial_control: RadialControl, outwards: f64| {
+        let wind = World(V3::new(outwards, 0.0, -outwards));
+        let input = PositionInput { tension, radial_control, wind, ..input };
+        controller.step(&mut PositionState::default(), &input, 0.004).force.0
+    };
+    let (low, high) = (f64::from(p.tension_min), f64::from(p.tension_max));
+    // A wind that is fed forward by half only leaves a pull within the limits: the guard does not speak.
+    for (asked, counts, outwards) in [
+        (low - 1.0, low, 2.0),
+        (0.0, low, 2.0),
+        (high + 1.0, high, -2.0),
+        (1e3, high, -2.0),
+        (low - 1.0, low, 0.0),
+    ] {
+        let fixed = |tension| force(tension, RadialControl::FixedLength, outwards);
+        assert_eq!(fixed(asked), fixed(counts), "{asked} N, wind {outwards} m/s²");
+    }
+    let fixed = |tension| force(tension, RadialControl::FixedLength, 0.0);
+    assert!((fixed(low) - fixed(low + 1.0)).norm() > 0.9);
+    // On the winch the set-point is the winch's own affair.
+    let winch = |tension| force(tension, RadialControl::Winch, 0.0);
+    assert!((winch(low - 1.0) - winch(low)).norm() > 0.9);
+}

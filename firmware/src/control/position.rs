@@ -90,7 +90,7 @@ pub struct PositionInput<S: Scalar> {
     pub length: S,
     /// Its rate, m/s.
     pub length_rate: S,
-    /// Tension to feed forward, N.
+    /// Tension to feed forward, N; on a fixed length kept within the limits.
     pub tension: S,
     /// Ground end.
     pub radial_control: RadialControl,
@@ -174,7 +174,7 @@ impl<S: Scalar> PositionLoop<S> {
         let mut is_guarded = false;
         match z.radial_control {
             RadialControl::FixedLength => {
-                force += u * z.tension;
+                force += u * z.tension.limit(self.tension_min, self.tension_max);
                 let pull = so3::dot(&force, &u) + m * (u.z * g + so3::dot(&wind, &u) + centripetal);
                 let kept = pull.limit(self.tension_min, self.tension_max);
                 is_guarded = kept != pull;
