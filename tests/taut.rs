@@ -346,3 +346,83 @@ fn a_reading_that_is_no_number_is_a_fault_and_leaves_the_state_untouched() {
     assert_eq!(planar.step(&mut idle, &at(good), &reference), Err(Fault::Degenerate));
     assert_eq!(idle, still);
 }
+
+/// What Γb asks in one scalar, at a place in the ranges of everything that it depends on.
+fn random_force_law<S: tautline_firmware::scalar::Scalar + Into<f64>>(
+    x: &[f64; 25],
+    inversion: fn([f64; 2]) -> [f64; 3],
+) -> [f64; 2] {
+    let s = |i: usize| S::lit(x[i]);
+    let model = PlanarModel::try_new(s(0), s(1), s(2), S::lit(9.81)).unwrap();
+    let [kind, threshold, damping] = inversion([x[3], x[4]]);
+    let inversion = match kind as u8 {
+        0 => Inversion::Exact,
+        1 => Inversion::Damped { damping: S::lit(damping) },
+        _ => Inversion::Window { threshold: S::lit(threshold), damping: S::lit(damping) },
+    };
+    let law = ElevationForce::try_new(model, &[s(5), s(6), s(7), s(8)], &[s(9), s(10)], inversion)
+        .unwrap();
+    let state = tautline_firmware::model::PlanarState::from_array([s(11), s(12), s(13), s(14)]);
+    let thrust = tautline_firmware::control::taut::ThrustState { thrust: s(15), rate: s(16) };
+    let (accel, torque) = law
+        .step(
+            &state,
+            &thrust,
+            &std::array::from_fn(|i| s(17 + i)),
+            &std::array::from_fn(|i| s(22 + i)),
+        )
+        .unwrap();
+    [accel.into(), torque.into()]
+}
+
+#[test]
+fn gamma_b_in_single_precision_agrees_with_double_over_its_ranges() {
+    use tautline_sitl::plant::{generator, uniform};
+    for (name, inversion) in [
+        ("exact", (|_| [0.0; 3]) as fn([f64; 2]) -> [f64; 3]),
+        ("damped", |[_, damping]| [1.0, 0.0, damping]),
+        ("window", |[threshold, damping]| [2.0, threshold, damping]),
+    ] {
+        let mut rng = generator(21, 0);
+        let mut errors: Vec<f64> = (0..20_000)
+            .map(|_| {
+                let mut between = |low: f64, high: f64| {
+                    low + (high - low) * f64::midpoint(uniform(&mut rng), 1.0)
+                };
+                let mut x = [0.0; 25];
+                // Mass, inertia, length, threshold, damping.
+                for (i, (low, high)) in
+                    [(0.3, 5.0), (0.005, 0.5), (0.5, 20.0), (0.05, 3.0), (0.02, 0.5)]
+                        .into_iter()
+                        .enumerate()
+                {
+                    x[i] = between(low, high);
+                }
+                for pole in &mut x[5..11] {
+                    *pole = -between(0.5, 8.0);
+                }
+                for (at, size) in
+                    [(11, 3.1), (12, 3.0), (13, 3.1), (14, 4.0), (15, 30.0), (16, 40.0)]
+                {
+                    x[at] = between(-size, size);
+                }
+                for (i, size) in [2.7, 1.0, 1.0, 2.0, 4.0, 15.0, 4.5, 10.0].into_iter().enumerate()
+                {
+                    x[17 + i] = between(-size, size);
+                }
+                // What both scalars are given is the same number.
+                let x = x.map(|x| f64::from(x as f32));
+                let single = random_force_law::<f32>(&x, inversion);
+                let double = random_force_law::<f64>(&x, inversion);
+                let off = |i: usize| (single[i] - double[i]).abs() / double[i].abs().max(1.0);
+                off(0).max(off(1))
+            })
+            .collect();
+        errors.sort_by(f64::total_cmp);
+        let worst = errors[errors.len() - 1];
+        let median = errors[errors.len() / 2];
+        println!("{name}: median {median:.1e}, worst {worst:.1e}");
+        // A torque is a small difference of large demands here and there: worst 8e-4, median 2e-7.
+        assert!(worst < 2e-3 && median < 1e-6, "{name}: median {median:e}, worst {worst:e}");
+    }
+}

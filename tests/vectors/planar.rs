@@ -21,8 +21,8 @@ type Checker = fn(&mut Check, &str, &Value, &Value);
 /// Name, check, and the bounds for f64 and f32.
 ///
 /// f64: the specification's 1e-9; its 1e-8 for observer steps, and its 1e-7 where the reference's closed
-/// form of the gain cancels. f32: about eight times the largest error seen; the wide ones are the damped
-/// inverse (a determinant of nearly equal products) and the fourth derivative of the C4 step near its
+/// form of the gain cancels. f32: about eight times the largest error seen; the wide ones are Γb (a small
+/// torque as the difference of large demands: 8e-4 over its whole ranges, `tests/taut.rs`) and the fourth derivative of the C4 step near its
 /// end (coefficients of hundreds that cancel).
 pub fn groups<S: Scalar + Into<f64>>() -> Vec<(&'static str, Checker, [f64; 2])> {
     vec![

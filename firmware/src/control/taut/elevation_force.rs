@@ -129,14 +129,14 @@ impl<S: Scalar> ElevationForce<S> {
     }
 }
 
-/// `Eᵀ (E Eᵀ + c² I)⁻¹ r` in the matrix's own units.
+/// `Eᵀ (E Eᵀ + c² I)⁻¹ r` in the matrix's own units, as `(det E adj E + c² Eᵀ) r` over the sum of squares that
+/// the determinant is, with `det E = a2 u1/J`: products of nearly equal size would cancel, in `f32` to 0.7 %.
 fn damped<S: Scalar>(a2: S, j: S, (s, c): (S, S), u: S, [r1, r2]: [S; 2], square: S) -> (S, S) {
     let (e11, e12, e21, e22) = (a2 * c, -a2 * s * u / j, s, c * u / j);
-    let g11 = e11 * e11 + e12 * e12 + square;
-    let g12 = e11 * e21 + e12 * e22;
-    let g22 = e21 * e21 + e22 * e22 + square;
-    let det = g11 * g22 - g12 * g12;
-    let w1 = (g22 * r1 - g12 * r2) / det;
-    let w2 = (g11 * r2 - g12 * r1) / det;
-    (e11 * w1 + e21 * w2, e12 * w1 + e22 * w2)
+    let whole = a2 * u / j;
+    let sum = e11 * e11 + e12 * e12 + e21 * e21 + e22 * e22;
+    let det = whole * whole + square * (sum + square);
+    let x1 = whole * (e22 * r1 - e12 * r2) + square * (e11 * r1 + e21 * r2);
+    let x2 = whole * (e11 * r2 - e21 * r1) + square * (e12 * r1 + e22 * r2);
+    (x1 / det, x2 / det)
 }
