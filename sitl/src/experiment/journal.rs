@@ -409,10 +409,15 @@ pub fn motors(settings: &Overrides) -> Result<Report, String> {
                     }
                     let modelled = if is_modelled { "told" } else { "not told" };
                     let is_claimed = *lag <= 0.08;
-                    // The shorter the move and the longer the lag, the sooner; Γa' before Γb.
-                    let shortest = if law == LawKind::Force { 3.0 } else { 5.0 };
-                    let is_lost_here = !is_modelled
-                        && (duration < shortest || duration == shortest && *lag > 0.03);
+                    // The shorter the move, the shorter the lag that loses it; Γa' before Γb.
+                    let bearable = match (law, duration) {
+                        (LawKind::Force, d) if d < 4.0 => 0.03,
+                        (LawKind::Force, _) => 0.08,
+                        (_, d) if d < 4.0 => 0.0,
+                        (_, d) if d < 6.0 => 0.03,
+                        _ => 0.08,
+                    };
+                    let is_lost_here = !is_modelled && *lag > bearable;
                     let compare = match (is_claimed, is_lost_here) {
                         (false, _) => Compare::Alone,
                         (true, false) => Compare::Claim(CLAIM, !s.is_lost()),
