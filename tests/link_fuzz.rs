@@ -170,7 +170,7 @@ fn is_finite(out: &StepOutput) -> bool {
 }
 
 fn check(out: &StepOutput, before: Mode, name: &str) {
-    for throttle in out.actuation.throttle {
+    for throttle in out.actuation.throttle.iter().copied() {
         assert!((0.0..=1.0).contains(&throttle), "{name}: throttle {throttle}");
         assert!(out.is_armed || throttle == 0.0, "{name}: throttle {throttle} while disarmed");
     }

@@ -33,7 +33,7 @@ pub fn rows() -> Vec<Row> {
     all
 }
 
-fn position(name: &'static str, link: Connection) -> Row {
+fn position(name: &'static str, radial_control: RadialControl) -> Row {
     let controller = PositionLoop::<f32>::new(&Params::default());
     let vectors = [[4.5, 0.3, -5.0], [0.0; 3], [0.0; 3], [0.707, 0.0, -0.707], [0.0; 3]];
     let mut input: Vec<_> = vectors.into_iter().flat_map(|v| three(v, 0.2)).collect();
@@ -48,7 +48,7 @@ fn position(name: &'static str, link: Connection) -> Row {
             length: z.f(),
             length_rate: z.f(),
             tension: z.f(),
-            link,
+            radial_control,
             hold_integral: false,
         };
         Ok(controller.step(x, &input, 0.004))
@@ -107,7 +107,8 @@ fn cascade() -> Vec<Row> {
             || (),
             move |(), z| {
                 let wrench = Wrench { thrust: z.f(), torque: z.body() };
-                let (thrusts, report) = mixer.step(&wrench);
+                let mut thrusts = mixer.each(0.0);
+                let report = mixer.step(&wrench, &mut thrusts);
                 let is_within = thrusts.iter().all(|t| (mixer.min..=mixer.max).contains(t));
                 Ok((thrusts, report, is_within.then_some(()).ok_or(f32::NAN)))
             },

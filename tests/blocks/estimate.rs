@@ -170,7 +170,7 @@ fn position() -> Vec<Row> {
             ThrustModelState::default,
             |x, z| {
                 let filter = Biquad::low_pass(80.0, 1000.0);
-                Ok(ThrustModel { lag: 0.03, scale: 1.0, filter }.step(x, &z.array()))
+                Ok(ThrustModel { lag: 0.03, scale: 1.0, filter }.step(x, &z.array::<4>()))
             },
         ),
     ]
