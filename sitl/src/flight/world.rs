@@ -72,6 +72,8 @@ impl World {
         self.environment
             .publish_capture(&mut |frame| connection.receive_datagram(now, frame, params, send));
         let mut sensors = self.connection.take_sensors();
+        // The simulated winch has its own wire: nobody else tells the vehicle its length.
+        sensors.tether = None;
         sensors.merge(self.environment.read());
         let input = StepInput {
             now,
