@@ -264,7 +264,7 @@ pub fn closed_loops_in_space(file: &Value) {
         let base = AngleScenario::spatial(reference[0], reference[1]);
         let Some(s) = known(c, base) else { continue };
         let name = c["case"].as_str().unwrap();
-        // Some seeds fail with this tuning, above all where one angle is zero (specification, section 8).
+        // Some seeds fail with this tuning, above all where one angle is zero (`inertial` section 8).
         let runs: Vec<SpatialTrace> =
             (1..=12).map(|seed| fly_spatial(&s, seed).unwrap()).filter(|r| !r.is_lost).collect();
         assert!(runs.len() >= 8, "{name}: {} of 12 flew", runs.len());

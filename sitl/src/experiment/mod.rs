@@ -110,12 +110,12 @@ impl Overrides {
 
 const JOURNAL: &str = "Tognon & Franchi, journal article on link force and inertial observer";
 const CONFERENCE: &str = "Tognon & Franchi, ICRA 2015";
-const SPECIFICATION: &str = "Tognon & Franchi, both; our specification's tables";
+const SPECIFICATION: &str = "Tognon & Franchi, both; `planar` and `flight`, the theory's tables";
 
 const TETHER_ANGLE: &str = "Lupashin & D'Andrea, IROS 2013";
 const LOCALIZATION: &str = "Al-Radaideh & Sun, Drones 2021";
-const PENDULUM: &str = "Yang, Yu, Reis & Silvestre, flying inverted pendulum";
-const BOTH_SENSING: &str = "both sensing papers; our specifications";
+const PENDULUM: &str = "Yang, Reis, Yu & Silvestre, flying inverted pendulum";
+const BOTH_SENSING: &str = "both sensing papers; `inertial`, `localization`";
 
 /// All of them.
 pub const EXPERIMENTS: [Experiment; 29] = [
@@ -178,14 +178,14 @@ pub const EXPERIMENTS: [Experiment; 29] = [
     Experiment {
         key: "planar-acceptance",
         paper: SPECIFICATION,
-        figure: "section 11",
+        figure: "`planar` section 11",
         about: "every acceptance row beside its limit",
         run: acceptance::run,
     },
     Experiment {
         key: "planar-robustness",
         paper: SPECIFICATION,
-        figure: "section 10",
+        figure: "`planar` section 10",
         about: "the robustness tables, ours beside the reference's (a few minutes)",
         run: robustness::run,
     },
@@ -241,7 +241,7 @@ pub const EXPERIMENTS: [Experiment; 29] = [
     Experiment {
         key: "localization-headroom",
         paper: LOCALIZATION,
-        figure: "our specification, section 7",
+        figure: "`localization` section 7",
         about: "the 17-state error-state filter against the article's (some seconds)",
         run: localization::headroom,
     },
@@ -262,7 +262,7 @@ pub const EXPERIMENTS: [Experiment; 29] = [
     Experiment {
         key: "angle-flight",
         paper: TETHER_ANGLE,
-        figure: "Figs. 11 and 12; our flight specification, section 7",
+        figure: "Figs. 11 and 12; `flight` section 7",
         about: "Tether Angle on the whole quadrotor, 20 seeds a row (half a minute)",
         run: angle_flight::run,
     },
@@ -304,14 +304,14 @@ pub const EXPERIMENTS: [Experiment; 29] = [
     Experiment {
         key: "pendulum-sweeps",
         paper: PENDULUM,
-        figure: "our specification, section 10",
+        figure: "`pendulum` section 10",
         about: "sample rate, lag, delay, noise, model errors (a minute)",
         run: pendulum::sweeps,
     },
     Experiment {
         key: "pendulum-acceptance",
         paper: PENDULUM,
-        figure: "our specification, section 13",
+        figure: "`pendulum` section 13",
         about: "every acceptance row beside its limit (some seconds)",
         run: pendulum::acceptance,
     },

@@ -28,7 +28,7 @@ pub fn simulation(settings: &Overrides) -> Result<Report, String> {
     let base = PendulumScenario { duration: 120.0, ..PendulumScenario::default() };
     let settled = settings.on(base.clone())?.settled;
     let mut flown = Vec::new();
-    // Means of (5a)-(5b) along the track, from the specification's oracle.
+    // Means of (5a)-(5b) along the track, from the reference implementation, `pendulum` section 10.
     let reference = [0.010, 5.0, 9.6];
     for ((name, disturbance), value) in DISTURBANCES.into_iter().zip(reference) {
         let s = PendulumScenario { disturbance, ..base.clone() };
@@ -75,8 +75,8 @@ pub fn simulation(settings: &Overrides) -> Result<Report, String> {
         Compare::Claim("survives a large initial estimation error", !cold.summary.is_lost()),
     );
     report.notes.push(
-        "The article prints no tracking error for its simulation; references are our specification's \
-         independent implementation. Its first estimate, the rod pointing down, swings the pendulum far \
+        "The article prints no tracking error for its simulation; references are those of the \
+         independent implementation, `pendulum` section 10. Its first estimate, the rod pointing down, swings the pendulum far \
          over; the core starts from the first measurement instead."
             .into(),
     );
