@@ -103,7 +103,7 @@ impl Stale {
             Group::PositionControl => {
                 Self::of(&[P::Planner, P::Position, P::Inner, P::TautLink, P::Constants])
             }
-            Group::AttitudeRateControl => Self::of(&[P::Inner, P::TetherAngle, P::Pendulum]),
+            Group::AttitudeRateControl => Self::of(&[P::Inner, P::TetherAngle]),
             Group::TautLink => Self::of(&[P::TautLink, P::TetherAngle, P::Pendulum]),
             Group::TetherAngle => Self::of(&[P::TetherAngle]),
             Group::MotionCapture => Self::of(&[P::Navigation, P::Pendulum]),

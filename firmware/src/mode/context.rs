@@ -7,6 +7,7 @@ use crate::config::Config;
 use crate::control::{AttitudeCommand, RadialControl};
 use crate::estimate::taut::TautEstimatorState;
 use crate::frames::{Body, V3, World};
+use crate::math::wrap_pi;
 use crate::navigation::NavigationState;
 use crate::param::Params;
 use crate::scalar::Scalar;
@@ -92,6 +93,13 @@ impl<S: Scalar> Context<'_, S> {
     /// By the attitude loop: a thrust, N, world axes, and a heading.
     pub fn thrust(&self, force: V3<S>, heading: S) -> AttitudeCommand<S> {
         self.config.attitude.step(&World(force), &self.situation.estimate.attitude, heading)
+    }
+
+    /// Yaw rate that turns the nose to a heading, rad/s, as the attitude loop does.
+    pub fn turn(&self, heading: S) -> S {
+        let (.., yaw) = self.situation.estimate.attitude.euler();
+        let attitude = &self.config.attitude;
+        (wrap_pi(heading - yaw) * attitude.yaw_gain).limit_abs(attitude.yaw_rate_max)
     }
 
     /// Nothing new: on the ground, or for this step.

@@ -16,7 +16,6 @@ use crate::estimate::tether_angle::{
     TetherAngleEstimate, TetherAngleEstimator, TetherAngleEstimatorState, plane_angles,
 };
 use crate::frames::{Body, V3};
-use crate::math::wrap_pi;
 use crate::model::{TetherKind, thrust_max};
 use crate::param::Params;
 use crate::scalar::Scalar;
@@ -37,8 +36,6 @@ pub(crate) struct AngleConfig<S: Scalar> {
     /// N.
     thrust: S,
     thrust_max: S,
-    yaw_gain: S,
-    yaw_rate_max: S,
 }
 
 /// What moves.
@@ -74,8 +71,6 @@ impl<S: Scalar> AngleConfig<S> {
             control: control.validate().ok()?,
             thrust: f(p.angle_thrust * p.mass),
             thrust_max: f(thrust_max(p) * p.taut_thrust_share),
-            yaw_gain: f(p.yaw_p),
-            yaw_rate_max: f(p.yaw_rate_max),
         })
     }
 }
@@ -152,10 +147,8 @@ impl<S: Scalar> FlightMode<S> for TetherAngle<S> {
         let step = cx.config.constants.weight * S::lit(THRUST_RATE * OUTER_DT);
         self.thrust += (config.thrust - self.thrust).limit_abs(step);
         let heading = handover.heading;
-        let (.., yaw) = attitude.euler();
-        let turn = (wrap_pi(heading - yaw) * config.yaw_gain).limit_abs(config.yaw_rate_max);
         let mut rate = config.estimator.body_rate(&self.filter, attitude, self.tilt_rates);
-        rate.0.z += turn;
+        rate.0.z += cx.turn(heading);
         Ok(Setpoints {
             attitude: AttitudeCommand { rate, accel: Body(V3::zeros()), thrust: self.thrust },
             reference: Some(FlightReference { position, velocity, yaw: heading, tension }),

@@ -24,7 +24,6 @@ use crate::estimate::pendulum::{
 use crate::fault::Invalid;
 use crate::frames::{Body, V3, World};
 use crate::math::trig::sin_cos;
-use crate::math::wrap_pi;
 use crate::model::{PendulumModel, TetherKind, thrust_max};
 use crate::param::Params;
 use crate::scalar::Scalar;
@@ -55,8 +54,6 @@ pub(crate) struct PendulumConfig<S: Scalar> {
     pub timeout_us: u64,
     /// Age of the samples, outer steps.
     pub delay: usize,
-    yaw_gain: S,
-    yaw_rate_max: S,
 }
 
 /// What moves in the mode.
@@ -146,8 +143,6 @@ impl<S: Scalar> PendulumConfig<S> {
             error_max: f(p.pendulum_error_max),
             timeout_us: (p.pendulum_timeout * 1e6) as u64,
             delay: crate::estimate::capture::delay_steps(p.capture_delay),
-            yaw_gain: f(p.yaw_p),
-            yaw_rate_max: f(p.yaw_rate_max),
         })
     }
 }
@@ -236,10 +231,8 @@ impl<S: Scalar> FlightMode<S> for Pendulum<S> {
         }
         self.ticks = (self.ticks + 1) % CONTROL_EVERY;
         let heading = handover.heading;
-        let (.., yaw) = attitude.euler();
-        let turn = (wrap_pi(heading - yaw) * config.yaw_gain).limit_abs(config.yaw_rate_max);
         let mut rate = self.command.rate;
-        rate.0.z = turn;
+        rate.0.z = cx.turn(heading);
         let length = config.observer.filter.model.length;
         let below = |load: World<V3<S>>| World(load.0 + V3::new(S::zero(), S::zero(), length));
         let reference = FlightReference {
