@@ -1,5 +1,5 @@
 //! What does each flight mode do? A mode is a value: it is entered, takes commands, makes set-points, and ends
-//! by an [`Exit`] or because somebody asks for another.
+//! by an `Exit` or because somebody asks for another.
 //!
 //! ```text
 //! request ──▶ arbiter ──▶ ActiveMode::enter ──▶ step, 250 times a second ──▶ Setpoints ──▶ attitude, rates,
@@ -7,8 +7,8 @@
 //!                └──── failsafe table ◀── Exit ───────┘
 //! ```
 //!
-//! A mode reads the vehicle through its [`Context`] and writes nothing but its own state and the
-//! [`Handover`] to the next one. What it needs, its name and its numbers stand in
+//! A mode reads the vehicle through its `Context` and writes nothing but its own state and the
+//! `Handover` to the next one. What it needs, its name and its numbers stand in
 //! [`crate::supervisor::MODES`]; who may change the mode, in `vehicle/arbiter.rs` alone.
 
 mod context;

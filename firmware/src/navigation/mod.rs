@@ -1,5 +1,5 @@
-//! Where is the vehicle, how does it sit, how hard does the tether pull? A question a file: [`alignment`]
-//! (attitude), [`lift_off`], [`position`] (the filter in the air), [`slackness`], [`divergence`]. Sensors in, an
+//! Where is the vehicle, how does it sit, how hard does the tether pull? A question a file: `alignment`
+//! (attitude), `lift_off`, `position` (the filter in the air), `slackness`, `divergence`. Sensors in, an
 //! [`Estimate`] out; the filters themselves stand in [`crate::estimate`].
 
 mod alignment;
