@@ -4,7 +4,7 @@
 //! | module | what |
 //! |---|---|
 //! | [`tasks`] | what the tasks of an image do |
-//! | [`flight`] | one inertial sample: read, step, motors |
+//! | [`inner_loop`] | one inertial sample: read, step, motors |
 //! | [`slow`] | barometer, rangefinder, battery, each at its own pace |
 //! | [`inbox`] | what the slower tasks have for the next step |
 //! | [`comms`] | MAVLink on every port, and the flight log |
