@@ -295,7 +295,7 @@ fn number(text: &str) -> Option<(String, &str)> {
     Some((text.get(..end)?.to_owned(), text.get(end..)?))
 }
 
-/// Keys in brackets: two capitals or more, two digits, as in [AB12].
+/// Keys in brackets: two capitals or more, two digits, as in `[AB12]`.
 fn cited_keys(flat: &Flat) -> Vec<(usize, String)> {
     let mut found = Vec::new();
     for (at, _) in flat.text.match_indices('[') {
