@@ -284,7 +284,7 @@ fn finish(
     let (simulated, real) = (flight.world.time(), began.elapsed().as_secs_f64());
     let counters = flight.world.connection.counters();
     say!(
-        "{simulated:.1} s simulated in {real:.1} s ({:.0} x). MAVLink: {} heard, {} sent, {} frames and {} bytes dropped, {} refused, {} queue overflows.",
+        "{simulated:.1} s simulated in {real:.1} s ({:.0} x). MAVLink: {} received, {} sent, {} frames and {} bytes dropped, {} refused, {} queue overflows.",
         simulated / real.max(1e-3),
         counters.received,
         counters.sent,
