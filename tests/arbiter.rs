@@ -3,7 +3,10 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, clippy::indexing_slicing, reason = "tests")]
 
-use mavlink::dialects::common::{COMMAND_LONG_DATA, MavCmd};
+use mavlink::dialects::common::{
+    COMMAND_LONG_DATA, MANUAL_CONTROL_DATA, MavCmd, MavParamType, PARAM_SET_DATA,
+};
+use mavlink::types::CharArray;
 use tautline_firmware::signal::Severity;
 use tautline_firmware::supervisor::{FailsafeAction, Failure, GroundState, Mode};
 use tautline_firmware::vehicle::StepOutput;
@@ -242,6 +245,72 @@ fn after_a_failsafe_landing_no_take_off_begins_until_the_motors_stood() {
         assert_eq!((out.mode, out.is_armed), (Mode::Descent, true));
     }
     assert!(flight.events.iter().any(|(_, e)| e.text == "Mode refused: failsafe is descending"));
+}
+
+/// Sets a parameter as a ground station does.
+fn set(flight: &mut Flight<Vec<u8>>, name: &str, value: f32) {
+    let message = PARAM_SET_DATA {
+        param_value: value,
+        target_system: 1,
+        target_component: 1,
+        param_id: CharArray::from(name),
+        param_type: MavParamType::MAV_PARAM_TYPE_REAL32,
+    };
+    let frame = MavlinkSender::new(255, 190).frame(&message);
+    flight.world.receive(&frame, &mut |_| {});
+}
+
+#[test]
+fn a_pilots_escape_does_not_lift_the_ban_that_a_cut_cable_set() {
+    let (mut flight, _) = cut_in(Mode::TetherAngle);
+    let stick = MANUAL_CONTROL_DATA { target: 1, z: 500, ..MANUAL_CONTROL_DATA::default() };
+    let frame = MavlinkSender::new(255, 190).frame(&stick);
+    flight.world.receive(&frame, &mut |_| {});
+    run(&mut flight, 0.02);
+    ask(&mut flight, Mode::Altitude);
+    until(&mut flight, 0.2, |out| out.mode == Mode::Altitude);
+    for mode in [Mode::TetherAngle, Mode::TetherHold] {
+        ask(&mut flight, mode);
+        let out = run(&mut flight, 0.05);
+        assert_eq!(out.mode, Mode::Altitude);
+        assert_ne!(out.failures & 1 << Failure::TetherSlack as u16, 0);
+    }
+}
+
+#[test]
+fn a_parameter_set_just_before_arming_is_in_force_when_the_motors_start() {
+    let mut flight = flight("", 1);
+    until(&mut flight, 10.0, |out| out.is_armable || out.estimate.is_levelled);
+    set(&mut flight, "TET_START_DIST", 3.0);
+    let out = run(&mut flight, 0.02);
+    assert!((out.estimate.position.unwrap().0.x - 3.0).abs() < 0.01, "{:?}", out.estimate.position);
+}
+
+#[test]
+fn a_take_off_takes_the_altitude_that_the_parameters_say_when_it_begins() {
+    let mission = "[[mission]]\ndo = \"await_disarmed\"\ntimeout = 100.0";
+    let mut flight = flight(mission, 1);
+    until(&mut flight, 10.0, |out| out.estimate.is_levelled);
+    ask(&mut flight, Mode::Takeoff);
+    run(&mut flight, 0.05);
+    set(&mut flight, "TET_LENGTH", 4.5);
+    let out = run(&mut flight, 0.05);
+    assert_eq!(out.mode, Mode::Takeoff);
+    // Five metres on 4.5 m of line: told on the ground, before any thrust.
+    let message = COMMAND_LONG_DATA {
+        command: MavCmd::MAV_CMD_COMPONENT_ARM_DISARM,
+        param1: 1.0,
+        param2: 21196.0,
+        target_system: 1,
+        target_component: 1,
+        ..COMMAND_LONG_DATA::default()
+    };
+    let frame = MavlinkSender::new(255, 190).frame(&message);
+    flight.world.receive(&frame, &mut |_| {});
+    until(&mut flight, 0.5, |out| out.is_armed);
+    until(&mut flight, 0.5, |out| !out.is_armed);
+    assert!(flight.events.iter().any(|(_, e)| e.text.contains("altitude beyond the tether")));
+    assert!(flight.world.environment.plant.ground.is_touching());
 }
 
 #[test]

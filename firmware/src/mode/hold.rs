@@ -4,9 +4,12 @@ use super::{Context, Entry, Exit, FlightMode, Handover, Refusal, Setpoints, plan
 use crate::scalar::Scalar;
 use crate::signal::Action;
 
-/// All of it is in the handover.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Hold;
+/// The rest is in the handover.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Hold {
+    /// There was no place to stay at yet.
+    is_lost: bool,
+}
 
 impl<S: Scalar> FlightMode<S> for Hold {
     fn enter(
@@ -17,7 +20,7 @@ impl<S: Scalar> FlightMode<S> for Hold {
         if cx.is_in_air() {
             plan::stay(handover, cx);
         }
-        Ok(Self)
+        Ok(Self { is_lost: cx.is_in_air() && cx.situation.estimate.position.is_none() })
     }
 
     fn step(
@@ -26,6 +29,11 @@ impl<S: Scalar> FlightMode<S> for Hold {
         cx: &Context<'_, S>,
     ) -> Result<Setpoints<S>, Exit> {
         let tension = cx.tension_in_flight(handover);
+        if self.is_lost && cx.situation.smoothed.is_some() {
+            // Where it is now, not where it once was to be.
+            plan::stay(handover, cx);
+            self.is_lost = false;
+        }
         Ok(plan::fly(handover, tension, cx))
     }
 

@@ -221,7 +221,7 @@ pub(crate) struct ActiveMode<S: Scalar> {
 impl<S: Scalar> ActiveMode<S> {
     /// Tether Hold, on the ground.
     pub fn at_rest(handover: Handover<S>) -> Self {
-        Self { handover, flying: Flying::TetherHold(hold::Hold) }
+        Self { handover, flying: Flying::TetherHold(hold::Hold::default()) }
     }
 
     pub fn mode(&self) -> Mode {
@@ -254,13 +254,13 @@ impl<S: Scalar> ActiveMode<S> {
     /// The motors stopped, or the next flight begins.
     pub fn rest(&mut self, cx: &Context<'_, S>) {
         self.handover.heading = flying!(&self.flying, state => state.heading(&self.handover, cx));
-        self.flying = Flying::TetherHold(hold::Hold);
+        self.flying = Flying::TetherHold(hold::Hold::default());
     }
 
     /// What was asked is done: the next mode takes over as things are.
     pub fn complete(&mut self) -> Option<&'static str> {
         let (_, text) = self.mode().rule().then?;
-        self.flying = Flying::TetherHold(hold::Hold);
+        self.flying = Flying::TetherHold(hold::Hold::default());
         Some(text)
     }
 

@@ -276,8 +276,12 @@ impl FailsafeState {
 
     /// Somebody took over: what is not in force any more is history.
     pub fn release(&mut self) {
-        self.raised = 0;
         self.latched = 0;
+    }
+
+    /// What is in force is why the vehicle comes down, whatever its own action.
+    pub fn latch(&mut self) {
+        self.latched |= self.in_force;
     }
 }
 
@@ -328,7 +332,8 @@ impl Failsafes {
         for ((row, since), bit) in FAILSAFES.iter().zip(&mut state.since).zip(0_u32..) {
             let mask = 1_u16 << bit;
             let is_raised = state.raised & mask != 0;
-            if !((row.is_present)(self, facts) || is_raised) {
+            let is_present = (row.is_present)(self, facts);
+            if !(is_present || is_raised) {
                 *since = None;
                 state.in_force &= !mask;
                 continue;
@@ -345,7 +350,7 @@ impl Failsafes {
                 fresh = Some((action, row));
             }
             state.in_force |= mask;
-            if action > FailsafeAction::Hold {
+            if is_present && action > FailsafeAction::Hold {
                 state.latched |= mask;
             }
         }

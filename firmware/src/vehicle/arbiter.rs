@@ -1,12 +1,13 @@
 //! Who may change the mode or stop the motors: requests, and the failsafe table. Nothing else does.
 
 use super::{Moment, Vehicle, context};
-use crate::control::RadialControl;
+use crate::control::{PositionState, RadialControl};
 use crate::mode::{Context, Entry, Exit, Refusal, denied, rejected};
 use crate::scalar::Scalar;
 use crate::signal::{Action, Event, EventQueue, Sensors};
 use crate::supervisor::{
-    ArmingCheck, ArmingFacts, FailsafeAction, FailsafeFacts, FailsafeState, GroundState, Rest,
+    ArmingCheck, ArmingFacts, FailsafeAction, FailsafeFacts, FailsafeState, Failure, GroundState,
+    Rest, TouchDownState,
 };
 use crate::time::Micros;
 
@@ -94,7 +95,7 @@ impl<S: Scalar> Vehicle<S> {
             events.push(Event::critical(row.text));
         }
         if let Some(action) = action {
-            self.react(action, announced.is_some(), at, events);
+            self.react(action, announced.is_some(), false, at, events);
         }
         self.stop_when_landed(at, events);
     }
@@ -103,13 +104,19 @@ impl<S: Scalar> Vehicle<S> {
     pub(super) fn leave(&mut self, exit: Exit, at: Moment<'_, S>, events: &mut EventQueue) {
         events.push(Event::critical(exit.text));
         let action = self.config.failsafes.raise(&mut self.state.failsafe, exit.failure, at.now);
-        self.react(action, true, at, events);
+        self.react(action, true, exit.failure == Failure::ModeFailed, at, events);
+        // On the ground the table does nothing after a landing; the mode shall not fail again each step.
+        let cx = context!(self, at);
+        if !cx.is_in_air() && self.mode.mode().rule().rest == Rest::EndsWithMotors {
+            self.mode.rest(&cx);
+        }
     }
 
     fn react(
         &mut self,
         action: FailsafeAction,
         is_new: bool,
+        may_hover: bool,
         at: Moment<'_, S>,
         events: &mut EventQueue,
     ) {
@@ -124,8 +131,8 @@ impl<S: Scalar> Vehicle<S> {
             self.disarm(Event::critical("Motors stopped"), at, events);
             return;
         };
-        // Landing needs a position; without one, level and down. In free flight a hold hovers until it is back.
-        let hovers = action == FailsafeAction::Hold && self.config.constants.kind.is_free();
+        // Landing needs a position; without one, level and down. In free flight a mode that failed may hover a while.
+        let hovers = may_hover && self.config.constants.kind.is_free();
         let needs_place = mode.rule().needs.position && !hovers;
         let mode = if needs_place && !self.has_place() { FailsafeAction::LEVEL } else { mode };
         let present = self.mode.mode();
@@ -134,6 +141,7 @@ impl<S: Scalar> Vehicle<S> {
         let (asked, flown) = (FailsafeAction::rank(mode), FailsafeAction::rank(present));
         if asked > flown && (is_new || !is_manual) {
             self.change_mode(&Entry::of(mode), at);
+            self.state.failsafe.latch();
         } else if is_new && asked == 0 && flown == 0 {
             self.change_mode(&Entry::of(mode), at);
             // A hold knows this command.
@@ -230,6 +238,11 @@ impl<S: Scalar> Vehicle<S> {
             let (.., yaw) = cx.situation.estimate.attitude.euler();
             self.mode.handover_mut().heading = yaw;
         }
+        // Whatever the last flight left, however short ago.
+        self.mode.handover_mut().position = PositionState::default();
+        self.state.failsafe = FailsafeState::default();
+        self.state.touch_down = TouchDownState::default();
+        self.state.contact_ramp = S::one();
         self.situation.armed_at = Some(at.now);
         self.state.landed_at = None;
         self.situation.setpoints.ground = GroundState::OnGround;

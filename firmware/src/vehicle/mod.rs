@@ -178,11 +178,18 @@ impl<S: Scalar> Vehicle<S> {
     /// Call it after each step, when the pulses are out: makes one block anew that a changed parameter concerns. It
     /// may take as long as a step, but no millisecond has two.
     pub fn maintain(&mut self) {
+        self.renew();
+    }
+
+    /// Makes one block anew; whether there was one to do.
+    #[inline(never)]
+    fn renew(&mut self) -> bool {
         let has_renewed = self.config.renew(&mut self.stale, &self.params, self.scale);
         if has_renewed && self.situation.armed_at.is_none() {
             // The place to start from follows from the parameters.
             self.situation.navigation.replace(&self.config.navigation);
         }
+        has_renewed
     }
 
     /// One step; call it at every inertial sample, or at the same rate when the sensor is silent.

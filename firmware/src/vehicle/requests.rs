@@ -34,7 +34,7 @@ impl<S: Scalar> Vehicle<S> {
                 parameter = Some(index);
                 self.set_param(index, value, at, events)
             }
-            Action::ResetParams => self.reset_params(),
+            Action::ResetParams => self.reset_params(at),
             Action::Level => self.level(),
         };
         let outcome = match result {
@@ -66,7 +66,7 @@ impl<S: Scalar> Vehicle<S> {
             return Err(rejected("Parameter refused: not in the air"));
         }
         self.params.set(index, value).map_err(|_| denied("Parameter refused: out of range"))?;
-        self.reconfigure(group.map_or(Stale::ALL, Stale::after));
+        self.reconfigure(group.map_or(Stale::ALL, Stale::after), at);
         if group == Some(Group::Pendulum)
             && let Some(text) = gain_warning(&self.params)
         {
@@ -75,22 +75,26 @@ impl<S: Scalar> Vehicle<S> {
         Ok(())
     }
 
-    fn reset_params(&mut self) -> Result<(), Refusal> {
+    fn reset_params(&mut self, at: Moment<'_, S>) -> Result<(), Refusal> {
         if self.situation.armed_at.is_some() {
             return Err(rejected("Reset refused: armed"));
         }
         self.params = Params::default();
-        self.reconfigure(Stale::ALL);
+        self.reconfigure(Stale::ALL, at);
         Ok(())
     }
 
-    /// The blocks follow one by one, in [`Self::maintain`].
-    fn reconfigure(&mut self, stale: Stale) {
+    /// In the air the blocks follow one by one, in [`Self::maintain`]. On the ground there is time, and whatever is asked
+    /// next finds all of them.
+    fn reconfigure(&mut self, stale: Stale, at: Moment<'_, S>) {
         self.stale.add(stale);
         if self.situation.armed_at.is_none() {
             let handover = self.mode.handover_mut();
             handover.heading = S::from_f32(self.params.start_heading);
             handover.tension = S::from_f32(self.params.tension);
+        }
+        if !self.context(at).is_in_air() {
+            while self.renew() {}
         }
     }
 

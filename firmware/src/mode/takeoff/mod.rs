@@ -24,8 +24,8 @@ const SPOOL_GRACE: f64 = 2.0;
 /// What moves.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Takeoff<S: Scalar> {
-    /// m over the anchor.
-    altitude: f32,
+    /// m over the anchor; the parameter's if nobody gave one.
+    altitude: Option<f32>,
     /// Time in the thrust ramp on the ground, s.
     spool: S,
     /// Under way; `None` once done.
@@ -44,9 +44,9 @@ impl<S: Scalar> FlightMode<S> for Takeoff<S> {
         if cx.situation.estimate.position.is_none() {
             return Err(rejected("Take-off refused: no position estimate"));
         }
-        let altitude = entry.altitude.unwrap_or(cx.params.takeoff_altitude);
-        target(altitude, cx).ok_or(denied("Take-off refused: altitude beyond the tether"))?;
-        Ok(Self { altitude, spool: S::zero(), slack: None })
+        let takeoff = Self { altitude: entry.altitude, spool: S::zero(), slack: None };
+        takeoff.target(cx).ok_or(denied("Take-off refused: altitude beyond the tether"))?;
+        Ok(takeoff)
     }
 
     fn step(
@@ -89,7 +89,13 @@ impl<S: Scalar> Takeoff<S> {
         tension: S,
         cx: &Context<'_, S>,
     ) -> Result<Setpoints<S>, Exit> {
+        let situation = cx.situation;
         if cx.ground() == GroundState::OnGround {
+            // Parameters may have changed since it was asked for.
+            if situation.estimate.position.is_some() && self.target(cx).is_none() {
+                let text = "Take-off failed: altitude beyond the tether";
+                return Err(Exit { failure: Failure::NoLiftOff, text });
+            }
             self.spool = S::zero();
             self.slack = cx.config.modes.slack_hover.map(|block| SlackHover::start(&block));
             handover.position = PositionState::default();
@@ -98,11 +104,18 @@ impl<S: Scalar> Takeoff<S> {
         if let Some(asked) = self.hover_slack(handover, tension, cx)? {
             return Ok(Setpoints { ground, ..asked });
         }
-        let situation = cx.situation;
-        if let (true, Some(position)) =
-            (situation.navigation.is_airborne(), situation.estimate.position)
-            && let Some(target) = target(self.altitude, cx)
-        {
+        if situation.navigation.is_airborne() {
+            let (Some(position), Some(target)) = (situation.estimate.position, self.target(cx))
+            else {
+                return Err(Exit {
+                    failure: if cx.config.constants.kind.is_free() {
+                        Failure::CaptureLost
+                    } else {
+                        Failure::EstimatorDiverged
+                    },
+                    text: "Take-off failed: no place to fly to",
+                });
+            };
             handover.plan = cx.config.planner.takeoff(position, target);
             return Ok(Setpoints { ground: GroundState::InAir, ..self.fly(handover, tension, cx) });
         }
@@ -117,6 +130,10 @@ impl<S: Scalar> Takeoff<S> {
         let thrust = start + (full - start) * (self.spool / time).min(S::one());
         let attitude = cx.thrust(V3::new(S::zero(), S::zero(), -thrust), handover.heading);
         Ok(Setpoints { attitude, ground, ..cx.unchanged(tension) })
+    }
+
+    fn target(&self, cx: &Context<'_, S>) -> Option<SphericalPoint<S>> {
+        target(self.altitude.unwrap_or(cx.params.takeoff_altitude), cx)
     }
 }
 

@@ -115,6 +115,7 @@ impl<S: Scalar> Takeoff<S> {
         cx: &Context<'_, S>,
     ) -> Result<Option<Setpoints<S>>, Exit> {
         let (Some(plan), Some(hover)) = (&cx.config.modes.slack_hover, &mut self.slack) else {
+            self.slack = None;
             return Ok(None);
         };
         let estimate = &cx.situation.estimate;
