@@ -286,7 +286,9 @@ impl FailsafeState {
 }
 
 impl Failure {
-    const fn mask(self) -> u16 {
+    /// Its bit.
+    #[must_use]
+    pub const fn mask(self) -> u16 {
         1 << self as u16
     }
 

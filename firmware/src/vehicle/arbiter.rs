@@ -95,7 +95,7 @@ impl<S: Scalar> Vehicle<S> {
             events.push(Event::critical(row.text));
         }
         if let Some(action) = action {
-            self.react(action, announced.is_some(), false, at, events);
+            self.react(action, announced.is_some(), at, events);
         }
         self.stop_when_landed(at, events);
     }
@@ -104,7 +104,7 @@ impl<S: Scalar> Vehicle<S> {
     pub(super) fn leave(&mut self, exit: Exit, at: Moment<'_, S>, events: &mut EventQueue) {
         events.push(Event::critical(exit.text));
         let action = self.config.failsafes.raise(&mut self.state.failsafe, exit.failure, at.now);
-        self.react(action, true, exit.failure == Failure::ModeFailed, at, events);
+        self.react(action, true, at, events);
         // On the ground the table does nothing after a landing; the mode shall not fail again each step.
         let cx = context!(self, at);
         if !cx.is_in_air() && self.mode.mode().rule().rest == Rest::EndsWithMotors {
@@ -116,7 +116,6 @@ impl<S: Scalar> Vehicle<S> {
         &mut self,
         action: FailsafeAction,
         is_new: bool,
-        may_hover: bool,
         at: Moment<'_, S>,
         events: &mut EventQueue,
     ) {
@@ -131,8 +130,10 @@ impl<S: Scalar> Vehicle<S> {
             self.disarm(Event::critical("Motors stopped"), at, events);
             return;
         };
-        // Landing needs a position; without one, level and down. In free flight a mode that failed may hover a while.
-        let hovers = may_hover && self.config.constants.kind.is_free();
+        // Landing needs a position; without one, level and down. In free flight a vehicle whose mode alone failed may
+        // hover a while.
+        let is_mode_alone = self.state.failsafe.in_force() == Failure::ModeFailed.mask();
+        let hovers = is_mode_alone && self.config.constants.kind.is_free();
         let needs_place = mode.rule().needs.position && !hovers;
         let mode = if needs_place && !self.has_place() { FailsafeAction::LEVEL } else { mode };
         let present = self.mode.mode();
