@@ -114,9 +114,12 @@ impl<S: Scalar> Context<'_, S> {
 
     /// Tension for the modes that neither leave the ground nor come down to it, N.
     pub fn tension_in_flight(&self, handover: &Handover<S>) -> S {
-        let is_flying = self.ground() == GroundState::InAir;
-        let fixed = if is_flying { FixedPull::Full } else { FixedPull::FloorNow };
-        self.tension(handover, is_flying, fixed)
+        self.tension(handover, self.ground() == GroundState::InAir, self.fixed_pull())
+    }
+
+    /// Of a fixed length, the operator's tension once the flight has begun and until it comes down.
+    pub(super) fn fixed_pull(&self) -> FixedPull {
+        if self.ground() == GroundState::InAir { FixedPull::Full } else { FixedPull::FloorNow }
     }
 
     /// The next tension set-point on its way, N. The winch pulls gently unless `is_far_out`; a fixed length

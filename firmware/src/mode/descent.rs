@@ -1,6 +1,5 @@
 //! Descent: level and sinking, by altimeter and inertia. Uses neither position nor tether.
 
-use super::context::FixedPull;
 use super::{Context, Entry, Exit, FlightMode, Handover, Refusal, Setpoints};
 use crate::frames::V3;
 use crate::scalar::Scalar;
@@ -10,7 +9,7 @@ use crate::time::OUTER_DT;
 /// Below this height over the ground it sinks at the landing speed, m.
 const SLOW_BELOW: f64 = 1.0;
 /// The vertical share of the thrust counts, within the tilt that divides well.
-const COS_TILT_MIN: f64 = 0.5;
+pub(super) const COS_TILT_MIN: f64 = 0.5;
 
 /// All of it is in the handover.
 #[derive(Clone, Copy, Debug)]
@@ -30,9 +29,7 @@ impl<S: Scalar> FlightMode<S> for Descent {
         handover: &mut Handover<S>,
         cx: &Context<'_, S>,
     ) -> Result<Setpoints<S>, Exit> {
-        let is_in_air = cx.ground() == GroundState::InAir;
-        let fixed = if is_in_air { FixedPull::Full } else { FixedPull::FloorNow };
-        let tension = cx.tension(handover, false, fixed);
+        let tension = cx.tension(handover, false, cx.fixed_pull());
         Ok(Setpoints { wants_down: true, ..descend(handover, tension, cx) })
     }
 }

@@ -257,9 +257,9 @@ impl<S: Scalar> ActiveMode<S> {
         self.flying = Flying::TetherHold(hold::Hold::default());
     }
 
-    /// What was asked is done: the next mode takes over as things are.
+    /// What was asked is done: Tether Hold takes over as things are. What to tell; `None` from a mode that goes on.
     pub fn complete(&mut self) -> Option<&'static str> {
-        let (_, text) = self.mode().rule().then?;
+        let text = self.mode().rule().completes?;
         self.flying = Flying::TetherHold(hold::Hold::default());
         Some(text)
     }

@@ -24,7 +24,7 @@ pub(crate) struct Setpoints<S: Scalar> {
 /// What a mode has to say once.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Notice<S> {
-    /// It has done what it was asked; its row says what flies on.
+    /// It has done what it was asked: Tether Hold flies on.
     Complete,
     /// It learnt how much the thrust is, as a share of the modelled one.
     ThrustRatio(S),

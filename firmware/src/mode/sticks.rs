@@ -1,18 +1,17 @@
 //! Stabilize and Altitude: somebody flies by sticks.
 
+use super::descent::COS_TILT_MIN;
 use super::{Context, Entry, Exit, FlightMode, Handover, Refusal, Setpoints};
 use crate::frames::Attitude;
 use crate::math::so3;
 use crate::scalar::Scalar;
-use crate::signal::Sticks as Position;
+use crate::signal::{CLOSED_THROTTLE, Sticks as Position};
 use crate::supervisor::GroundState;
 use crate::time::OUTER_DT;
 
 /// Throttle that leaves the ground: with climb control above the middle, else off the bottom.
 const CLIMB_THROTTLE: f32 = 0.6;
 const OPEN_THROTTLE: f32 = 0.1;
-/// Throttle at which the vehicle may come to stand.
-const CLOSED_THROTTLE: f32 = 0.05;
 
 /// What the throttle stick means.
 #[derive(Clone, Copy, Debug)]
@@ -69,7 +68,7 @@ impl<S: Scalar> FlightMode<S> for Sticks {
         let mut attitude = cx.thrust(-so3::col_z(&wanted.0) * thrust, yaw);
         // With climb control the vertical share counts, within the tilt that divides well.
         if self.holds_climb {
-            attitude.thrust = thrust / estimate.attitude.cos_tilt().max(S::lit(0.5));
+            attitude.thrust = thrust / estimate.attitude.cos_tilt().max(S::lit(COS_TILT_MIN));
         }
         attitude.rate.0.z = S::from_f32(sticks.yaw * p.stick_yaw_rate);
         handover.heading = yaw;

@@ -13,5 +13,5 @@ pub use estimate::{Estimate, FilterHealth, TetherState};
 pub use event::{Event, EventQueue, Severity};
 pub use per_rotor::{MAX_ROTORS, PerRotor};
 pub use reference::{FlightReference, LoadReference, PlanarReference, SphericalPoint, TautPurpose};
-pub use request::{Action, Outcome, Reply, Request, Sticks, Ticket};
+pub use request::{Action, CLOSED_THROTTLE, Outcome, Reply, Request, Sticks, Ticket};
 pub use sensors::*;

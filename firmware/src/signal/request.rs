@@ -117,6 +117,9 @@ impl Reply {
     }
 }
 
+/// Throttle stick below which it counts as closed.
+pub const CLOSED_THROTTLE: f32 = 0.05;
+
 /// Joystick, each axis -1..1.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Sticks {

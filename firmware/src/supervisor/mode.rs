@@ -41,8 +41,11 @@ pub struct ModeRule {
     pub needs: Needs,
     /// What becomes of it on the ground.
     pub rest: Rest,
-    /// What flies on when it has done what it was asked, and what the operator reads then.
-    pub then: Option<(Mode, &'static str)>,
+    /// It leaves the ground by itself, from a known place, and may be asked for anew until it has.
+    pub takes_off: bool,
+    /// What the operator reads when it has done what it was asked and Tether Hold takes over; `None` for a mode that
+    /// goes on.
+    pub completes: Option<&'static str>,
 }
 
 const fn px4(main: u32, sub: u32) -> u32 {
@@ -94,7 +97,17 @@ const fn row(
     needs: Needs,
     rest: Rest,
 ) -> ModeRule {
-    ModeRule { mode, name, custom_mode, aliases: &[], standard_mode: 0, needs, rest, then: None }
+    ModeRule {
+        mode,
+        name,
+        custom_mode,
+        aliases: &[],
+        standard_mode: 0,
+        needs,
+        rest,
+        takes_off: false,
+        completes: None,
+    }
 }
 
 // The sub modes of PX4's AUTO: 2 take-off, 3 loiter, 5 return, 6 land, 11 to 15 external 1 to 5. Of MAVLink's
@@ -109,7 +122,7 @@ modes! {
     TetherHold: "Tether Hold", px4(4, 3), POSITION, Stays, aliases = &[px4(3, 0), px4(6, 0)];
     /// Leave the ground and fly to the start of the hold.
     Takeoff: "Takeoff", px4(4, 2), POSITION, EndsWithMotors, standard_mode = 8,
-        then = Some((Mode::TetherHold, "Take-off complete, holding"));
+        takes_off = true, completes = Some("Take-off complete, holding");
     /// Return, come down, stop the motors.
     Land: "Land", px4(4, 6), POSITION, Lands, standard_mode = 7, aliases = &[px4(4, 5)];
     /// Level and sinking; knows nothing of position or tether.

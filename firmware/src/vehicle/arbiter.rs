@@ -4,7 +4,7 @@ use super::{Moment, Vehicle, context};
 use crate::control::{PositionState, RadialControl};
 use crate::mode::{Context, Entry, Exit, Refusal, denied, rejected};
 use crate::scalar::Scalar;
-use crate::signal::{Action, Event, EventQueue, Sensors};
+use crate::signal::{Action, CLOSED_THROTTLE, Event, EventQueue, Sensors};
 use crate::supervisor::{
     ArmingCheck, ArmingFacts, FailsafeAction, FailsafeFacts, FailsafeState, Failure, GroundState,
     Rest, TouchDownState,
@@ -13,8 +13,6 @@ use crate::time::Micros;
 
 /// A ground station that was silent this long is not there.
 const LINK_TIMEOUT_US: u64 = 3_000_000;
-/// Throttle that counts as closed.
-const CLOSED_THROTTLE: f32 = 0.05;
 
 impl<S: Scalar> Vehicle<S> {
     fn link_is_up(&self, now: Micros) -> bool {
@@ -187,7 +185,7 @@ impl<S: Scalar> Vehicle<S> {
     pub(super) fn request_mode(&mut self, entry: &Entry, at: Moment<'_, S>) -> Result<(), Refusal> {
         let needs = entry.mode.rule().needs;
         let cx = context!(self, at);
-        let takes_off = entry.mode.rule().then.is_some();
+        let takes_off = entry.mode.rule().takes_off;
         if needs.sticks && cx.fresh_sticks().is_none() {
             return Err(rejected("Mode refused: no joystick"));
         }

@@ -4,7 +4,6 @@ mod slack_hover;
 
 pub(crate) use slack_hover::SlackHoverPlan;
 
-use super::context::FixedPull;
 use super::{
     Context, Entry, Exit, FlightMode, Handover, Notice, Refusal, Setpoints, denied, plan, rejected,
 };
@@ -55,9 +54,8 @@ impl<S: Scalar> FlightMode<S> for Takeoff<S> {
         cx: &Context<'_, S>,
     ) -> Result<Setpoints<S>, Exit> {
         let is_in_air = cx.ground() == GroundState::InAir;
-        let fixed = if is_in_air { FixedPull::Full } else { FixedPull::FloorNow };
         let is_far_out = is_in_air && handover.plan.is_last_leg();
-        let tension = cx.tension(handover, is_far_out, fixed);
+        let tension = cx.tension(handover, is_far_out, cx.fixed_pull());
         if is_in_air {
             Ok(self.fly(handover, tension, cx))
         } else {
