@@ -2,7 +2,7 @@
 
 use super::{GRAVITY, V3};
 use crate::scenario::VehicleSection;
-use nalgebra::UnitQuaternion;
+use nalgebra::{Quaternion, Rotation3, UnitQuaternion};
 
 /// Mass, inertia, drag.
 #[derive(Clone, Debug)]
@@ -38,6 +38,9 @@ impl BodyModel {
         -self.drag_linear.component_mul(air) - self.drag_quadratic * air.norm() * air
     }
 }
+
+/// Square of half the angle, rad², up to which a turn's series is exact to rounding.
+const SMALL: f64 = 1e-5;
 
 /// State.
 #[derive(Clone, Debug)]
@@ -76,14 +79,36 @@ impl Body {
         (self.attitude * V3::z()).z.clamp(-1.0, 1.0).acos()
     }
 
-    /// Semi-implicit Euler under a force (without gravity) and a torque, body axes.
+    /// Semi-implicit Euler under a force (without gravity), world axes, and a torque, body axes.
     pub fn step(&mut self, model: &BodyModel, force: &V3, torque: &V3, dt: f64) {
-        let accel = self.attitude * force / model.mass + V3::new(0.0, 0.0, GRAVITY);
+        let accel = force / model.mass + V3::new(0.0, 0.0, GRAVITY);
         self.velocity += accel * dt;
         self.position += self.velocity * dt;
         let spin = model.inertia.component_mul(&self.rate);
         let turn = (torque - self.rate.cross(&spin)).component_div(&model.inertia);
         self.rate += turn * dt;
-        self.attitude *= UnitQuaternion::from_scaled_axis(self.rate * dt);
+        self.turn(self.rate * dt);
+    }
+
+    /// By a rotation vector in body axes, rad.
+    fn turn(&mut self, by: V3) {
+        let half = by * 0.5;
+        let square = half.norm_squared();
+        if square > SMALL {
+            self.attitude *= UnitQuaternion::from_scaled_axis(by);
+            return;
+        }
+        // Sine and cosine to the fourth power of the angle, and one step of Newton's towards unit length.
+        let cos = 1.0 - square * (0.5 - square / 24.0);
+        let vector = half * (1.0 - square * (1.0 / 6.0 - square / 120.0));
+        let turned = self.attitude.quaternion() * Quaternion::from_parts(cos, vector);
+        let unit = turned * (1.5 - 0.5 * turned.norm_squared());
+        self.attitude = UnitQuaternion::new_unchecked(unit);
+    }
+
+    /// Body to world, for whoever turns more than one vector.
+    #[must_use]
+    pub fn rotation(&self) -> Rotation3<f64> {
+        self.attitude.to_rotation_matrix()
     }
 }

@@ -2,6 +2,7 @@
 
 use super::{Body, BodyModel, GRAVITY, V3};
 use crate::scenario::VehicleSection;
+use nalgebra::Rotation3;
 
 /// Feet and soil.
 #[derive(Clone, Debug)]
@@ -33,6 +34,11 @@ impl GroundModel {
         }
     }
 
+    /// From the centre of mass to each foot, m: higher up, however it is turned, none touches.
+    fn reach(&self) -> f64 {
+        (2.0 * self.leg_spread * self.leg_spread + self.leg_height * self.leg_height).sqrt()
+    }
+
     /// Height of the centre of mass at rest, m.
     #[must_use]
     pub fn rest_height(&self, body: &BodyModel) -> f64 {
@@ -57,18 +63,27 @@ impl Ground {
         self.stuck.iter().any(Option::is_some)
     }
 
-    /// Force in world axes, N, and torque in body axes, N m.
-    pub fn step(&mut self, model: &GroundModel, body: &Body) -> (V3, V3) {
+    /// Force in world axes, N, and torque in body axes, N m, on a body that is turned by `rotation`.
+    pub fn step(
+        &mut self,
+        model: &GroundModel,
+        body: &Body,
+        rotation: &Rotation3<f64>,
+    ) -> (V3, V3) {
+        if body.height() > model.reach() {
+            self.stuck = [None; 4];
+            return (V3::zeros(), V3::zeros());
+        }
         let was_touching = self.is_touching();
         let (mut force, mut torque) = (V3::zeros(), V3::zeros());
         for (stuck, (x, y)) in self.stuck.iter_mut().zip(FEET) {
             let foot = V3::new(x * model.leg_spread, y * model.leg_spread, model.leg_height);
-            let place = body.position + body.attitude * foot;
+            let place = body.position + rotation * foot;
             if place.z <= 0.0 {
                 *stuck = None;
                 continue;
             }
-            let speed = body.velocity + body.attitude * body.rate.cross(&foot);
+            let speed = body.velocity + rotation * body.rate.cross(&foot);
             let normal = (model.stiffness * place.z + model.damping * speed.z).max(0.0);
             let (sx, sy) = *stuck.get_or_insert((place.x, place.y));
             let mut side = V3::new(
@@ -85,7 +100,7 @@ impl Ground {
             }
             let push = side - V3::new(0.0, 0.0, normal);
             force += push;
-            torque += foot.cross(&(body.attitude.inverse() * push));
+            torque += foot.cross(&rotation.inverse_transform_vector(&push));
         }
         if !was_touching && self.is_touching() {
             self.touch_down_speed = Some(body.velocity.z);

@@ -28,7 +28,7 @@ pub use tether::{Tether, TetherModel, WinchModel};
 pub use wind::{Gusts, Wind, WindModel};
 
 use crate::scenario::Scenario;
-use nalgebra::Vector3;
+use nalgebra::{Rotation3, Vector3};
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64Mcg;
 
@@ -41,10 +41,12 @@ pub type V3 = Vector3<f64>;
 
 /// Gravity, m/s².
 pub const GRAVITY: f64 = 9.81;
-/// Physics steps per millisecond.
+/// Between two commands of the firmware, s.
+pub const TICK: f64 = 1e-3;
+/// Physics steps per tick.
 pub const SUBSTEPS: u32 = 4;
 /// Physics step, s.
-pub const DT: f64 = 1e-3 / SUBSTEPS as f64;
+pub const DT: f64 = TICK / SUBSTEPS as f64;
 
 /// A generator of its own for each part of the world, so that a part that draws more often does not
 /// shift the others.
@@ -157,68 +159,75 @@ impl Plant {
     /// One millisecond with these throttles and this tension set-point for the winch.
     pub fn step(&mut self, throttle: &[f64], winch_tension: f64) {
         let mut force_sum = V3::zeros();
-        let wind = self.wind.step(&self.model.wind, self.body.height(), 1e-3, &mut self.rng);
+        let wind = self.wind.step(&self.model.wind, self.body.height(), TICK, &mut self.rng);
         let voltage = self.battery.voltage();
         for (rotor, &u) in self.rotors.iter_mut().zip(throttle) {
             rotor.command(&self.model.rotor, u, voltage);
         }
+        self.tether.drive(&self.model.tether, winch_tension, self.time, TICK);
         for _ in 0..SUBSTEPS {
-            force_sum += self.substep(winch_tension, wind);
-            self.time += DT;
+            force_sum += self.substep(wind);
         }
-        self.specific_force = force_sum / f64::from(SUBSTEPS);
+        self.time += TICK;
+        self.specific_force = force_sum / (f64::from(SUBSTEPS) * self.model.body.mass);
         let power: f64 = self.rotors.iter().map(|r| r.power(&self.model.rotor)).sum();
-        self.battery.step(&self.model.battery, power, 1e-3);
+        self.battery.step(&self.model.battery, power, TICK);
     }
 
-    fn substep(&mut self, winch_tension: f64, wind: V3) -> V3 {
+    /// Force on the body but for its weight, body axes, N.
+    fn substep(&mut self, wind: V3) -> V3 {
         let m = &self.model;
         let mut thrust = 0.0;
-        let mut torque = V3::zeros();
-        for (rotor, &Hub { x, y, spin }) in self.rotors.iter_mut().zip(&m.rotor.hubs) {
+        let mut torque = -m.body.rate_damping * self.body.rate;
+        for (rotor, hub) in self.rotors.iter_mut().zip(&m.rotor.hubs) {
             let t = rotor.step(&m.rotor, DT);
             thrust += t;
-            let hub = V3::new(x * m.rotor.arm, y * m.rotor.arm, 0.0);
-            torque += hub.cross(&V3::new(0.0, 0.0, -t));
-            torque.z += spin * m.rotor.torque_ratio * t;
+            torque.x -= hub.y * m.rotor.arm * t;
+            torque.y += hub.x * m.rotor.arm * t;
+            torque.z += hub.spin * m.rotor.torque_ratio * t;
         }
-        let r = self.body.attitude;
-        let air = r.inverse() * (self.body.velocity - wind);
-        let mut force_body = V3::new(0.0, 0.0, -thrust) + m.body.drag(&air);
-        torque -= m.body.rate_damping * self.body.rate;
+        let rotation = self.body.rotation();
+        let air = rotation.inverse_transform_vector(&(self.body.velocity - wind));
+        let mut force_body = m.body.drag(&air);
+        force_body.z -= thrust;
 
-        let arm = V3::new(0.0, 0.0, m.tether.attachment);
+        // The attachment is below the centre of mass: cross products with (0, 0, arm).
+        let arm = m.tether.attachment;
+        let rate = self.body.rate;
         self.anchor.step(DT);
-        let end = self.end();
-        let end_velocity =
-            self.body.velocity + r * self.body.rate.cross(&arm) - self.anchor.velocity;
-        let pull =
-            self.tether.step(&m.tether, &end, &end_velocity, &wind, winch_tension, self.time, DT);
-        let pull_body = r.inverse() * pull;
-        force_body += pull_body;
-        torque += arm.cross(&pull_body);
+        let end = self.end_in(&rotation);
+        let swing = rotation * V3::new(rate.y * arm, -rate.x * arm, 0.0);
+        let end_velocity = self.body.velocity + swing - self.anchor.velocity;
+        let mut force = self.tether.pull(&m.tether, &end, &end_velocity, &wind);
+        let pull = rotation.inverse_transform_vector(&force);
+        torque.x -= arm * pull.y;
+        torque.y += arm * pull.x;
 
-        let (support, support_torque) = self.ground.step(&m.ground, &self.body);
-        force_body += r.inverse() * support;
+        let (support, support_torque) = self.ground.step(&m.ground, &self.body, &rotation);
+        force += support;
         torque += support_torque;
 
         if let Some(push) = &mut self.push {
             push.step(self.body.height(), DT);
-            force_body += r.inverse() * push.force();
+            force += push.force();
         }
+        force += rotation * force_body;
         if let Some(rod) = &mut self.rod {
-            let reaction = rod.step(&(r * force_body), m.body.mass, DT);
-            force_body += r.inverse() * reaction;
+            force += rod.step(&force, m.body.mass, DT);
         }
-        self.body.step(&m.body, &force_body, &torque, DT);
-        force_body / m.body.mass
+        self.body.step(&m.body, &force, &torque, DT);
+        rotation.inverse_transform_vector(&force)
+    }
+
+    fn end_in(&self, rotation: &Rotation3<f64>) -> V3 {
+        let down = rotation.matrix().column(2) * self.model.tether.attachment;
+        self.body.position + down - self.anchor.position
     }
 
     /// Attachment of the tether from its anchor, m.
     #[must_use]
     pub fn end(&self) -> V3 {
-        let arm = V3::new(0.0, 0.0, self.model.tether.attachment);
-        self.body.position + self.body.attitude * arm - self.anchor.position
+        self.end_in(&self.body.rotation())
     }
 
     /// Centre of mass from the anchor, m: what the firmware calls its position.

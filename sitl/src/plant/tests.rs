@@ -52,15 +52,15 @@ fn a_fixed_tether_pulls_only_when_stretched_and_then_towards_the_anchor() {
     let model = p.model.tether.clone();
     let still = V3::zeros();
     let at = |x: f64| V3::new(0.6, 0.0, -0.8) * x;
-    let slack = p.tether.step(&model, &at(length - 0.01), &still, &still, 0.0, 0.0, DT);
+    let slack = p.tether.pull(&model, &at(length - 0.01), &still, &still);
     assert!(slack.x.abs() < 1e-12 && p.tether.tension.abs() < 1e-12);
-    let taut = p.tether.step(&model, &at(length + 0.02), &still, &still, 0.0, 0.0, DT);
+    let taut = p.tether.pull(&model, &at(length + 0.02), &still, &still);
     let expected = model.stiffness / length * 0.02;
     assert!((p.tether.tension - expected).abs() < 1e-9);
     assert!((taut.x + 0.6 * expected).abs() < 1e-9);
     // Rushing inwards, the damper may not push.
     let closing = -at(30.0);
-    p.tether.step(&model, &at(length + 1e-4), &closing, &still, 0.0, 0.0, DT);
+    p.tether.pull(&model, &at(length + 1e-4), &closing, &still);
     assert!(p.tether.tension >= 0.0);
 }
 

@@ -86,6 +86,8 @@ pub struct Tether {
     /// Distance of the attachment from the anchor, m.
     pub distance: f64,
     set_point: f64,
+    /// Of the drum without its friction, N.
+    drum: f64,
     error: f64,
     phase: f64,
 }
@@ -107,23 +109,23 @@ impl Tether {
             tension: 0.0,
             distance: 0.0,
             set_point: 0.0,
+            drum: 0.0,
             error: uniform(rng) * error,
             phase: uniform(rng) * TAU,
         }
     }
 
-    /// Force on the attachment, world axes, N. `end`: its position and velocity.
-    #[expect(clippy::too_many_arguments, reason = "one physical input each")]
-    pub fn step(
-        &mut self,
-        model: &TetherModel,
-        end: &V3,
-        velocity: &V3,
-        wind: &V3,
-        winch_tension: f64,
-        time: f64,
-        dt: f64,
-    ) -> V3 {
+    /// The winch's controller, once per `dt` s: lag, slow error, ripple.
+    pub fn drive(&mut self, model: &TetherModel, wanted: f64, time: f64, dt: f64) {
+        if let Some(winch) = &model.winch {
+            self.set_point += (wanted - self.set_point) * (dt / winch.lag).min(1.0);
+            self.drum = self.set_point * (1.0 + self.error)
+                + winch.ripple * (RIPPLE_RATE * time + self.phase).sin();
+        }
+    }
+
+    /// Force on the attachment, world axes, N. `end`: its position from the anchor and its velocity.
+    pub fn pull(&mut self, model: &TetherModel, end: &V3, velocity: &V3, wind: &V3) -> V3 {
         self.distance = end.norm();
         if model.is_broken || self.distance < SHORTEST {
             self.tension = 0.0;
@@ -137,13 +139,11 @@ impl Tether {
                 model.length
             }
             Some(winch) => {
-                self.set_point += (winch_tension - self.set_point) * dt / winch.lag;
-                let drum = self.set_point * (1.0 + self.error)
-                    + winch.friction * (outward / FRICTION_SPEED).tanh()
-                    + winch.ripple * (RIPPLE_RATE * time + self.phase).sin();
+                let turning = outward / FRICTION_SPEED;
+                let friction = winch.friction * turning / (1.0 + turning * turning).sqrt();
                 let end_stop =
                     elastic(model, winch.length_max, self.distance - winch.length_max, outward);
-                self.tension = drum.max(0.0) + end_stop;
+                self.tension = (self.drum + friction).max(0.0) + end_stop;
                 self.distance
             }
         };

@@ -94,6 +94,10 @@ const SPEED_FLOOR: f64 = 1.0;
 impl Wind {
     /// Air velocity, NED, m/s.
     pub fn step(&mut self, model: &WindModel, height: f64, dt: f64, rng: &mut Pcg64Mcg) -> V3 {
+        if model.speed <= 0.0 && model.pulse <= 0.0 {
+            self.velocity = V3::zeros();
+            return self.velocity;
+        }
         let (sin, cos) = model.from.sin_cos();
         let along = V3::new(-cos, -sin, 0.0);
         let across = V3::new(sin, -cos, 0.0);
