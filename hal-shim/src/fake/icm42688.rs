@@ -35,10 +35,17 @@ pub struct FakeIcm42688 {
     temperature: i16,
     /// Temperature, accelerometer and gyro as their registers hold them.
     data: [u8; 14],
+    /// Counts per m/s² and per rad/s, as the registers say.
+    counts: [f64; 2],
     /// Data registers keep their values: a hung part.
     pub is_hung: bool,
     /// The part no longer drives the bus: all ones.
     pub is_dead: bool,
+}
+
+/// A count, saturated where the part saturates; as rounding does it, without a call.
+fn nearest(x: f64) -> i16 {
+    ((x + 0.5_f64.copysign(x)) as i32).clamp(-32_767, 32_767) as i16
 }
 
 impl FakeIcm42688 {
@@ -55,6 +62,7 @@ impl FakeIcm42688 {
             accel: [INVALID; 3],
             temperature: 0,
             data: [0; 14],
+            counts: [0.0; 2],
             is_hung: false,
             is_dead: false,
         };
@@ -69,15 +77,10 @@ impl FakeIcm42688 {
         }
         let now = self.clock.now_us();
         let started = |after: u64| self.powered_at.is_some_and(|at| now >= at + after);
-        let quantise =
-            |x: f64, full: f64| (x / full * 32_768.0).round().clamp(-32_767.0, 32_767.0) as i16;
-        let code = |register: u8| self.get(0, register) >> 5;
-        let accel_full = f64::from(accel_full_scale(code(reg::ACCEL_CONFIG0)));
-        let gyro_full = f64::from(gyro_full_scale(code(reg::GYRO_CONFIG0)));
-        self.temperature =
-            ((temperature - 25.0) * 132.48).round().clamp(-32_768.0, 32_767.0) as i16;
+        let [accel_counts, gyro_counts] = self.counts;
+        self.temperature = nearest((temperature - 25.0) * 132.48);
         if started(ACCEL_START_US) {
-            self.accel = accel.map(|x| quantise(x, accel_full));
+            self.accel = accel.map(|x| nearest(x * accel_counts));
         }
         let adapts = self.get(0, reg::INTF_CONFIG1) & AFSR_MASK != AFSR_OFF;
         let near = gyro.iter().any(|w| (w.abs() - AFSR_RATE).abs() < AFSR_BAND);
@@ -85,15 +88,16 @@ impl FakeIcm42688 {
             self.frozen_until = now + FREEZE_US;
         }
         if started(GYRO_START_US) && now >= self.frozen_until {
-            self.gyro = gyro.map(|w| quantise(w, gyro_full));
+            self.gyro = gyro.map(|w| nearest(w * gyro_counts));
         }
         self.latch();
     }
 
     fn latch(&mut self) {
-        let words = [self.temperature].into_iter().chain(self.accel).chain(self.gyro);
-        for (slot, byte) in self.data.iter_mut().zip(words.flat_map(i16::to_be_bytes)) {
-            *slot = byte;
+        let ([ax, ay, az], [gx, gy, gz]) = (self.accel, self.gyro);
+        let words = [self.temperature, ax, ay, az, gx, gy, gz];
+        for (slot, word) in self.data.chunks_exact_mut(2).zip(words) {
+            slot.copy_from_slice(&word.to_be_bytes());
         }
     }
 
@@ -131,6 +135,21 @@ impl FakeIcm42688 {
         if let Some(slot) = bank.and_then(|bank| bank.get_mut(usize::from(register & 0x7F))) {
             *slot = value;
         }
+        if matches!(register, reg::ACCEL_CONFIG0 | reg::GYRO_CONFIG0) {
+            let code = |register: u8| self.get(0, register) >> 5;
+            let full = [
+                accel_full_scale(code(reg::ACCEL_CONFIG0)),
+                gyro_full_scale(code(reg::GYRO_CONFIG0)),
+            ];
+            self.counts = full.map(|full| 32_768.0 / f64::from(full));
+        }
+    }
+
+    /// The measured values from `register` on, as a burst reads them.
+    fn burst(&self, register: u8, length: usize) -> Option<&[u8]> {
+        let from = usize::from(register.checked_sub(reg::TEMP_DATA1)?);
+        let is_readable = !self.is_dead && self.selected() == 0;
+        self.data.get(from..from + length).filter(|_| is_readable)
     }
 
     fn selected(&self) -> u8 {
@@ -163,6 +182,20 @@ impl FakeIcm42688 {
         }
     }
 
+    /// One byte of a transaction each way; the first is the address, which then counts up.
+    fn exchange(&mut self, address: &mut Option<u8>, sent: u8) -> u8 {
+        let Some(at) = *address else {
+            *address = Some(sent);
+            return 0;
+        };
+        *address = Some((at & reg::READ) | (at.wrapping_add(1) & !reg::READ));
+        if at & reg::READ != 0 {
+            return self.read(at & !reg::READ);
+        }
+        self.write(at, sent);
+        0
+    }
+
     fn write(&mut self, register: u8, value: u8) {
         if self.is_dead {
             return;
@@ -192,42 +225,40 @@ impl ErrorType for FakeIcm42688 {
 }
 
 impl SpiDevice for FakeIcm42688 {
-    /// One chip select: the first byte is the address, which then counts up.
+    /// One chip select.
     fn transaction(&mut self, operations: &mut [Operation<'_, u8>]) -> Result<(), Infallible> {
         let mut address: Option<u8> = None;
-        let mut exchange = |part: &mut Self, sent: u8| -> u8 {
-            let Some(at) = address else {
-                address = Some(sent);
-                return 0;
-            };
-            address = Some((at & reg::READ) | (at.wrapping_add(1) & !reg::READ));
-            if at & reg::READ != 0 {
-                return part.read(at & !reg::READ);
-            }
-            part.write(at, sent);
-            0
-        };
         for operation in operations {
             match operation {
                 Operation::Write(bytes) => {
                     for &byte in bytes.iter() {
-                        exchange(self, byte);
+                        self.exchange(&mut address, byte);
                     }
                 }
                 Operation::Read(bytes) => {
                     for byte in bytes.iter_mut() {
-                        *byte = exchange(self, 0);
+                        *byte = self.exchange(&mut address, 0);
                     }
                 }
                 Operation::TransferInPlace(bytes) => {
+                    if let [first, rest @ ..] = &mut **bytes
+                        && address.is_none()
+                        && *first & reg::READ != 0
+                        && let Some(data) = self.burst(*first & !reg::READ, rest.len())
+                    {
+                        address = Some(*first + rest.len() as u8);
+                        rest.copy_from_slice(data);
+                        *first = 0;
+                        continue;
+                    }
                     for byte in bytes.iter_mut() {
-                        *byte = exchange(self, *byte);
+                        *byte = self.exchange(&mut address, *byte);
                     }
                 }
                 Operation::Transfer(into, from) => {
                     let sent = from.iter().copied().chain(std::iter::repeat(0));
                     for (byte, sent) in into.iter_mut().zip(sent) {
-                        *byte = exchange(self, sent);
+                        *byte = self.exchange(&mut address, sent);
                     }
                 }
                 Operation::DelayNs(_) => {}

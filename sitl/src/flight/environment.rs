@@ -26,7 +26,6 @@ pub struct Environment {
     /// Faults.
     pub faults: Faults,
     capture: Option<MotionCapture>,
-    mounting: Mounting,
     /// From the change of mode until the rod is released, s; and when that change was, s.
     reaction: f64,
     balancing_since: Option<f64>,
@@ -45,13 +44,13 @@ impl Environment {
         if scenario.push.kind != DisturbanceKind::None {
             plant.push = Some(Push::new(Disturbance::new(scenario.push.kind, seed)));
         }
+        let mounting = Mounting::from_parameter(params.board_rotation).unwrap_or(Mounting::ALIGNED);
         let has_capture = scenario.capture.rate > 0.0;
         Self {
             plant,
-            sensors: SensorSuite::new(&scenario.sensors, clock.clone(), seed),
+            sensors: SensorSuite::new(&scenario.sensors, clock.clone(), mounting, seed),
             faults: Faults::new(&scenario.fault),
             capture: has_capture.then(|| MotionCapture::new(scenario.capture.clone(), seed)),
-            mounting: Mounting::from_parameter(params.board_rotation).unwrap_or(Mounting::ALIGNED),
             reaction: scenario.rod.reaction,
             balancing_since: None,
             started_us: 0,
@@ -126,12 +125,12 @@ impl Environment {
 
     /// Exposes the devices to this millisecond, for a reader outside.
     pub fn expose(&mut self) {
-        self.sensors.expose(&self.plant, &self.faults, self.mounting);
+        self.sensors.expose(&self.plant, &self.faults);
     }
 
     /// The drivers read it.
     pub fn read(&mut self) -> tautline_firmware::sense::RawSensors {
-        self.sensors.read(&self.plant, &self.faults, self.mounting)
+        self.sensors.read(&self.plant, &self.faults)
     }
 
     /// Releases the rod from the hand that holds it, some time after the mode has changed to balancing it.

@@ -14,12 +14,20 @@ const HOVER_SPEED: f64 = 500.0;
 const ONCE: f64 = 0.5;
 const TWICE: f64 = 0.35;
 const BROAD: f64 = 0.79;
+/// Lag of the third axis, rad: 1 once, 2 twice per turn.
+const SIN_1: f64 = 0.841_470_984_807_896_5;
+const COS_1: f64 = 0.540_302_305_868_139_8;
+const SIN_2: f64 = 2.0 * SIN_1 * COS_1;
+const COS_2: f64 = 1.0 - 2.0 * SIN_1 * SIN_1;
 /// Bias over temperature.
 const GYRO_PER_KELVIN: f64 = 8.7e-5;
 const ACCEL_PER_KELVIN: f64 = 1.5e-3;
 /// Die temperature at the start, °C, and the time constant of its warming up, s.
 const START_TEMPERATURE: f64 = 25.0;
 const WARM_UP_TIME: f64 = 120.0;
+
+/// Biases wander in steps of so many samples.
+const DRIFT_SAMPLES: u32 = 20;
 
 /// Inertial errors.
 #[derive(Clone, Debug)]
@@ -28,6 +36,7 @@ pub struct Inertial {
     accel_bias: V3,
     phase: [f64; 4],
     temperature: f64,
+    samples: u32,
 }
 
 fn vector(rng: &mut Pcg64Mcg, mut draw: impl FnMut(&mut Pcg64Mcg) -> f64) -> V3 {
@@ -43,6 +52,7 @@ impl Inertial {
             accel_bias: vector(rng, uniform) * model.accel_bias,
             phase: std::array::from_fn(|_| uniform(rng) * TAU),
             temperature: START_TEMPERATURE,
+            samples: 0,
         }
     }
 
@@ -54,9 +64,12 @@ impl Inertial {
         extra_bias: f64,
         rng: &mut Pcg64Mcg,
     ) -> (V3, V3, f64) {
-        let walk = DT.sqrt();
-        self.gyro_bias += vector(rng, normal) * (model.gyro_drift * walk);
-        self.accel_bias += vector(rng, normal) * (model.accel_drift * walk);
+        self.samples = self.samples.wrapping_add(1);
+        if self.samples.is_multiple_of(DRIFT_SAMPLES) {
+            let walk = (f64::from(DRIFT_SAMPLES) * DT).sqrt();
+            self.gyro_bias += vector(rng, normal) * (model.gyro_drift * walk);
+            self.accel_bias += vector(rng, normal) * (model.accel_drift * walk);
+        }
         self.temperature +=
             (START_TEMPERATURE + model.warm_up - self.temperature) * DT / WARM_UP_TIME;
         let warm = self.temperature - START_TEMPERATURE;
@@ -81,16 +94,20 @@ impl Inertial {
         let mut vibration = V3::zeros();
         let mut strength = 0.0;
         for (phase, rotor) in self.phase.iter_mut().zip(&plant.rotors) {
-            *phase = (*phase + rotor.speed * DT) % TAU;
+            *phase += rotor.speed * DT;
+            if *phase >= TAU {
+                *phase %= TAU;
+            }
             let size = (rotor.speed / HOVER_SPEED).powi(2);
             strength += 0.25 * size;
+            let (sin, cos) = phase.sin_cos();
+            // Once and twice per turn at 0, 1 and 0, 2 rad of lag, by the sums of angles.
+            let (sin_2, cos_2) = (2.0 * sin * cos, cos * cos - sin * sin);
+            let once = V3::new(sin, cos, sin * COS_1 + cos * SIN_1);
+            let twice = V3::new(cos_2, sin_2, cos_2 * COS_2 - sin_2 * SIN_2);
             // Four sines of equal size: each carries half of the rms in every axis.
             let amplitude = size * std::f64::consts::SQRT_2 * 0.5;
-            vibration +=
-                V3::new(phase.sin(), phase.cos(), (*phase + 1.0).sin()) * (ONCE * amplitude);
-            vibration +=
-                V3::new((2.0 * *phase).cos(), (2.0 * *phase).sin(), (2.0 * *phase + 2.0).cos())
-                    * (TWICE * amplitude);
+            vibration += once * (ONCE * amplitude) + twice * (TWICE * amplitude);
         }
         vibration + vector(rng, normal) * (BROAD * strength)
     }

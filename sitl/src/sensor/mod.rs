@@ -2,9 +2,10 @@
 
 mod errors;
 
-use crate::plant::{Plant, generator};
+use crate::plant::{Plant, V3, generator};
 use crate::scenario::{FaultKind, Faults, SensorSection};
 use errors::{Altitude, Inertial};
+use nalgebra::{Matrix3, RowVector3};
 use rand_pcg::Pcg64Mcg;
 use tautline_firmware::sense::{ImuScale, Mounting, RawSensors};
 use tautline_firmware::signal::RawTether;
@@ -27,6 +28,8 @@ const WINCH_MS: u64 = 20;
 #[derive(Debug)]
 pub struct SensorSuite {
     clock: FakeClock,
+    /// Body axes to the chip's.
+    to_chip: Matrix3<f64>,
     rng: Pcg64Mcg,
     inertial: Inertial,
     altitude: Altitude,
@@ -39,7 +42,7 @@ pub struct SensorSuite {
 impl SensorSuite {
     /// Devices under power that nobody has set up yet.
     #[must_use]
-    pub fn new(noise: &SensorSection, clock: FakeClock, seed: u64) -> Self {
+    pub fn new(noise: &SensorSection, clock: FakeClock, mounting: Mounting, seed: u64) -> Self {
         let mut rng = generator(seed, 2);
         let imu = Icm42688::new(FakeIcm42688::new(clock.clone()), icm42688::Config::default());
         let mut range = FakeTfMini::new(clock.clone());
@@ -48,6 +51,7 @@ impl SensorSuite {
         Self {
             inertial: Inertial::new(noise, &mut rng),
             altitude: Altitude::default(),
+            to_chip: to_chip(mounting),
             noise: noise.clone(),
             slow: SlowDevices::new(FakeDps310::new(clock.clone()), range, pins),
             winch: None,
@@ -88,11 +92,11 @@ impl SensorSuite {
     }
 
     /// One millisecond: exposes the devices to the world. Whoever reads them is another matter.
-    pub fn expose(&mut self, plant: &Plant, faults: &Faults, mounting: Mounting) {
+    pub fn expose(&mut self, plant: &Plant, faults: &Faults) {
         let us = self.clock.now_us();
         let (ms, time) = (us / 1000, us as f64 * 1e-6);
         if !faults.is_active(FaultKind::ImuSilent, time) {
-            self.expose_imu(plant, faults, mounting, time);
+            self.expose_imu(plant, faults, time);
         }
         if ms.is_multiple_of(BAROMETER_MS) {
             self.expose_barometer(plant, faults, time);
@@ -107,8 +111,8 @@ impl SensorSuite {
     }
 
     /// One millisecond: exposes the devices to the world and reads them.
-    pub fn read(&mut self, plant: &Plant, faults: &Faults, mounting: Mounting) -> RawSensors {
-        self.expose(plant, faults, mounting);
+    pub fn read(&mut self, plant: &Plant, faults: &Faults) -> RawSensors {
+        self.expose(plant, faults);
         let at = Micros(self.clock.now_us());
         let is_silent = faults.is_active(FaultKind::ImuSilent, at.0 as f64 * 1e-6);
         let imu = if is_silent { None } else { self.imu.read_all().ok() };
@@ -122,18 +126,15 @@ impl SensorSuite {
         sensors
     }
 
-    fn expose_imu(&mut self, plant: &Plant, faults: &Faults, mounting: Mounting, time: f64) {
+    fn expose_imu(&mut self, plant: &Plant, faults: &Faults, time: f64) {
         let extra = faults.value(FaultKind::GyroBias, time).unwrap_or(0.0);
         let (accel, gyro, temperature) =
             self.inertial.sample(&self.noise, plant, extra, &mut self.rng);
         let part = self.imu.bus_mut();
         part.is_hung = faults.is_active(FaultKind::ImuFrozen, time);
         part.is_dead = faults.is_active(FaultKind::ImuDead, time);
-        part.set_motion(
-            to_chip(mounting, accel.into()),
-            to_chip(mounting, gyro.into()),
-            temperature,
-        );
+        let turned = |v: V3| -> [f64; 3] { (self.to_chip * v).into() };
+        part.set_motion(turned(accel), turned(gyro), temperature);
     }
 
     fn expose_barometer(&mut self, plant: &Plant, faults: &Faults, time: f64) {
@@ -164,10 +165,7 @@ impl SensorSuite {
 
 /// Body axes to the chip's: the inverse of the board's mounting, found from the mounting itself, since
 /// a right-angle rotation is its own table of signs.
-fn to_chip(mounting: Mounting, [x, y, z]: [f64; 3]) -> [f64; 3] {
-    let axis = |chip: [i16; 3]| {
-        let [bx, by, bz] = mounting.to_body(chip);
-        f64::from(bx) * x + f64::from(by) * y + f64::from(bz) * z
-    };
-    [axis([1, 0, 0]), axis([0, 1, 0]), axis([0, 0, 1])]
+fn to_chip(mounting: Mounting) -> Matrix3<f64> {
+    let axis = |chip: [i16; 3]| RowVector3::from(mounting.to_body(chip).map(f64::from));
+    Matrix3::from_rows(&[axis([1, 0, 0]), axis([0, 1, 0]), axis([0, 0, 1])])
 }
