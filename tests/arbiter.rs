@@ -107,7 +107,7 @@ fn in_mode(mode: Mode) -> Flight<Vec<u8>> {
 
 /// Breaks it and watches for so long, or until the motors stand.
 fn watch(flight: &mut Flight<Vec<u8>>, (kind, value): (FaultKind, f64), seconds: f64) {
-    let start = flight.step(&mut |_| {});
+    let start = flight.step(&mut |_| {}).clone();
     let at = flight.world.now().0 as f64 * 1e-6;
     flight.world.environment.faults.add(FaultSection { kind, at, duration: None, value });
     let told = flight.events.len();
@@ -115,7 +115,8 @@ fn watch(flight: &mut Flight<Vec<u8>>, (kind, value): (FaultKind, f64), seconds:
     let mut last = start.clone();
     let what = format!("{:?} with {kind:?}", start.mode);
     while flight.world.time() < end && last.is_armed {
-        let out = flight.step(&mut |_| {});
+        flight.step(&mut |_| {});
+        let out = flight.output();
         let comes_down = matches!(out.mode, Mode::Land | Mode::Descent) && out.mode != start.mode;
         if comes_down && out.is_armed {
             assert_ne!(out.failures, 0, "{what}: {:?} for no reason", out.mode);
@@ -129,7 +130,7 @@ fn watch(flight: &mut Flight<Vec<u8>>, (kind, value): (FaultKind, f64), seconds:
                 last.mode.rule().completes.is_some() && out.mode == Mode::TetherHold;
             assert!(has_taken_off || out.failures != 0, "{what}: {:?} unasked", out.mode);
         }
-        last = out;
+        last = out.clone();
     }
     let critical: Vec<_> = flight.events[told..]
         .iter()

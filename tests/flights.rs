@@ -53,7 +53,7 @@ fn the_same_seed_writes_the_same_log_byte_for_byte() {
         );
         flight.fly(60.0);
         assert_eq!(*flight.mission.progress(), Progress::Done);
-        flight.recorder.finish().unwrap()
+        flight.finish_log().unwrap().unwrap()
     };
     let first = log(7);
     assert!(first.len() > 1_000_000);

@@ -27,9 +27,10 @@ pub fn until(
 ) -> StepOutput {
     let began = flight.world.time();
     loop {
-        let out = flight.step(&mut |_| {});
-        if ends(&out) {
-            return out;
+        flight.step(&mut |_| {});
+        let out = flight.output();
+        if ends(out) {
+            return out.clone();
         }
         let told: Vec<_> =
             flight.events.iter().map(|(t, e)| format!("{t:.1} {}", e.text)).collect();
@@ -47,11 +48,11 @@ pub fn until(
 /// Never.
 pub fn run(flight: &mut Flight<Vec<u8>>, seconds: f64) -> StepOutput {
     let end = flight.world.time() + seconds;
-    let mut out = flight.step(&mut |_| {});
+    flight.step(&mut |_| {});
     while flight.world.time() < end {
-        out = flight.step(&mut |_| {});
+        flight.step(&mut |_| {});
     }
-    out
+    flight.output().clone()
 }
 
 /// A mission that takes off to 5 m and then holds for a long time.

@@ -147,7 +147,7 @@ fn a_flights_own_log_gives_the_thrust_map_of_the_simulated_rotors() {
     let mut shaken = flight(&text, 4);
     until(&mut shaken, 120.0, |out| out.is_armed);
     until(&mut shaken, 120.0, |out| !out.is_armed);
-    let log = shaken.recorder.finish().unwrap();
+    let log = shaken.finish_log().unwrap().unwrap();
     let mut params = Params::default();
     let record = read_log(log.as_slice(), "log", &mut params).unwrap();
     assert!(record.duration() > 15.0 && record.voltage.is_some());
@@ -168,7 +168,7 @@ fn a_flights_own_log_gives_the_thrust_map_of_the_simulated_rotors() {
 fn a_log_without_stick_flight_says_so() {
     let mut held = flight("[[mission]]\ndo = \"hold\"\nseconds = 2.0\n", 1);
     held.fly(5.0);
-    let log = held.recorder.finish().unwrap();
+    let log = held.finish_log().unwrap().unwrap();
     let error = read_log(log.as_slice(), "a.ulg", &mut Params::default()).unwrap_err();
     assert_eq!(error, "a.ulg: nothing flown in Altitude or Stabilize");
     assert!(read_log(&b"not a log"[..], "b.ulg", &mut Params::default()).is_err());

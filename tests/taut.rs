@@ -64,7 +64,8 @@ fn a_slack_hover_calibrates_the_thrust_and_the_vehicle_goes_out_until_the_link_p
     let (mut real, mut commanded) = (0.0, 0.0);
     let mut told = None;
     while !heard(&flight, "Thrust calibrated") {
-        let out = flight.step(&mut |_| {});
+        flight.step(&mut |_| {});
+        let out = flight.output();
         told = out.reply.and_then(|reply| reply.parameter);
         if flight.world.time() > 10.0 {
             real += flight.world.environment.plant.thrust();

@@ -48,8 +48,8 @@ pub fn raw_imu(reading: &icm42688::Reading) -> RawImu {
 
 /// [`Vehicle::step`] as boards fly it.
 #[inline(never)]
-pub fn step(vehicle: &mut Vehicle<f32>, input: &StepInput) -> StepOutput {
-    vehicle.step(input)
+pub fn step(vehicle: &mut Vehicle<f32>, input: &StepInput) {
+    vehicle.step(input);
 }
 
 /// [`Vehicle::new`] as boards fly it.
@@ -82,14 +82,20 @@ impl<SPI: SpiDevice, PWM: SetDutyCycle> InnerLoop<SPI, PWM> {
     }
 
     /// One step of the autopilot.
-    pub fn step(&mut self, input: &StepInput) -> StepOutput {
-        step(&mut self.vehicle, input)
+    pub fn step(&mut self, input: &StepInput) {
+        step(&mut self.vehicle, input);
     }
 
-    /// The motors' pulses of a step; then there is time for what waited.
-    pub fn drive(&mut self, out: &StepOutput) {
+    /// What the last step said.
+    #[must_use]
+    pub fn output(&self) -> &StepOutput {
+        self.vehicle.output()
+    }
+
+    /// The motors' pulses of the last step; then there is time for what waited.
+    pub fn drive(&mut self) {
         // A timer's registers do not fail.
-        let _ = self.motors.write(&out.actuation.throttle);
+        let _ = self.motors.write(&self.vehicle.output().actuation.throttle);
         self.vehicle.maintain();
     }
 }

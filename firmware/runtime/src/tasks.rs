@@ -63,14 +63,15 @@ pub fn flight<SPI: SpiDevice, PWM: SetDutyCycle>(
     let mut input = inbox.lock(|inbox| inbox.take(now));
     input.sensors.imu = imu;
     pace.begin();
-    let out = flight.step(&input);
+    flight.step(&input);
     pace.end();
-    flight.drive(&out);
-    pace.stepped(&out);
+    flight.drive();
+    let out = flight.output();
+    pace.stepped(out);
     if out.reply.is_some() {
         params.lock(|params| *params = *flight.vehicle.params());
     }
-    if outputs.enqueue(out).is_err() {
+    if outputs.enqueue(out.clone()).is_err() {
         pace.lost();
     }
 }

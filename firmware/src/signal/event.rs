@@ -57,6 +57,11 @@ impl EventQueue {
             None => self.dropped = self.dropped.saturating_add(1),
         }
     }
+    /// Nothing happened, nothing was dropped.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.slots.first().is_none_or(Option::is_none)
+    }
     /// In the order of arrival.
     pub fn iter(&self) -> impl Iterator<Item = &Event> {
         self.slots.iter().flatten()

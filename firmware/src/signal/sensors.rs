@@ -106,7 +106,7 @@ pub struct Battery<S> {
 }
 
 /// Everything the later stages see of the sensors.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Sensors<S: Scalar = f32> {
     /// `None`: nothing new this tick.
     pub imu: Option<Sample<Imu<S>>>,

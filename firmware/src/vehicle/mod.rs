@@ -19,6 +19,8 @@ mod requests;
 pub use crate::mode::PendulumReport;
 pub use output::{StepInput, StepOutput};
 
+use output::News;
+
 use crate::config::{Config, Stale};
 use crate::control::{AttitudeCommand, ClimbState, PositionState, RateSetpoint, RateState};
 use crate::estimate::taut::{TautEstimatorState, TautInput};
@@ -46,6 +48,8 @@ pub struct Vehicle<S: Scalar = f32> {
     mode: ActiveMode<S>,
     situation: Situation<S>,
     state: State<S>,
+    /// What the last step said; filled in place, each group when it has changed.
+    output: StepOutput,
 }
 
 /// What moves and concerns no mode.
@@ -156,7 +160,14 @@ impl<S: Scalar> Vehicle<S> {
                 winch: WinchCommand { tension: config.constants.tension_low },
             },
         };
-        Self { params, scale, config, stale: Stale::default(), mode, situation, state }
+        let output = StepOutput::before(&situation, &state, &mode);
+        Self { params, scale, config, stale: Stale::default(), mode, situation, state, output }
+    }
+
+    /// What the last step said.
+    #[must_use]
+    pub fn output(&self) -> &StepOutput {
+        &self.output
     }
 
     /// All settings.
@@ -193,7 +204,8 @@ impl<S: Scalar> Vehicle<S> {
     }
 
     /// One step; call it at every inertial sample, or at the same rate when the sensor is silent.
-    pub fn step(&mut self, input: &StepInput) -> StepOutput {
+    /// What it says stays readable as [`Self::output`].
+    pub fn step(&mut self, input: &StepInput) -> &StepOutput {
         let mut events = EventQueue::default();
         self.receive(input);
         let cos_tilt = self.situation.estimate.attitude.cos_tilt();
@@ -201,7 +213,9 @@ impl<S: Scalar> Vehicle<S> {
             self.config.sense.step(&mut self.state.sense, input.now, &input.sensors, cos_tilt);
         let at = Moment { now: input.now, sensors: &sensors };
         let phase = core::mem::take(&mut self.state.phase);
-        if self.estimate(&sensors, &mut events) {
+        let was_levelled = self.situation.estimate.is_levelled;
+        let has_ticked = self.estimate(&sensors, &mut events);
+        if has_ticked {
             self.state.phase = OuterPhase::Observe;
         }
         self.receive_rod(&sensors);
@@ -221,7 +235,14 @@ impl<S: Scalar> Vehicle<S> {
         }
         self.actuate(&sensors);
         let reply = reply.or_else(|| self.state.echo.take().map(Reply::echo));
-        self.report(input.now, &sensors, reply, events)
+        // A request or a silent sensor may change anything.
+        let is_whole = input.request.is_some() || sensors.imu.is_none();
+        let news = News {
+            estimate: has_ticked || !was_levelled || is_whole,
+            observers: phase == OuterPhase::Observe || sensors.rod.is_some() || is_whole,
+            guidance: phase == OuterPhase::Fly || is_whole,
+        };
+        self.report(input.now, &sensors, reply, events, news)
     }
 
     /// Notes when somebody outside last spoke.

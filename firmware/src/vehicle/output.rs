@@ -1,10 +1,10 @@
 //! What goes in and what comes out. Log and telemetry only read [`StepOutput`].
 
-use super::Vehicle;
+use super::{State, Vehicle};
 use crate::estimate::taut::TautEstimate;
 use crate::estimate::tether_angle::TetherAngleEstimate;
 use crate::frames::{Body, V3};
-use crate::mode::PendulumReport;
+use crate::mode::{ActiveMode, PendulumReport, Situation};
 use crate::scalar::Scalar;
 use crate::sense::RawSensors;
 use crate::signal::{
@@ -73,41 +73,112 @@ pub struct StepOutput {
     pub events: EventQueue,
 }
 
+/// What of the output has changed in this step beside what each step changes.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct News {
+    pub estimate: bool,
+    pub observers: bool,
+    pub guidance: bool,
+}
+
+impl StepOutput {
+    /// Before the first step.
+    pub(super) fn before<S: Scalar>(
+        situation: &Situation<S>,
+        state: &State<S>,
+        mode: &ActiveMode<S>,
+    ) -> Self {
+        let mut output = Self {
+            now: Micros(0),
+            sensors: Sensors::default(),
+            estimate: in_single(&situation.estimate),
+            reference: None,
+            taut: None,
+            taut_reference: None,
+            angle: None,
+            pendulum: None,
+            rate_setpoint: Body(V3::zeros()),
+            wrench: in_single(&state.wrench),
+            mixer: situation.mixer,
+            actuation: in_single(&state.actuation),
+            mode: mode.mode(),
+            is_armed: false,
+            ground: situation.setpoints.ground,
+            is_armable: false,
+            failures: 0,
+            reply: None,
+            events: EventQueue::default(),
+        };
+        output.guide(situation, mode);
+        output
+    }
+
+    fn observe<S: Scalar>(&mut self, situation: &Situation<S>, mode: &ActiveMode<S>) {
+        self.taut = situation.taut.estimate().map(in_single);
+        self.pendulum = situation.rod.as_ref().map(|rod| PendulumReport {
+            estimate: in_single(&rod.estimate),
+            reference: in_single(&mode.report().load),
+        });
+    }
+
+    fn guide<S: Scalar>(&mut self, situation: &Situation<S>, mode: &ActiveMode<S>) {
+        let report = mode.report();
+        self.reference = in_single(&situation.setpoints.reference);
+        self.taut_reference = in_single(&report.taut);
+        self.angle = in_single(&report.angle);
+        if let Some(pendulum) = &mut self.pendulum {
+            pendulum.reference = in_single(&report.load);
+        }
+        self.rate_setpoint = in_single(&situation.setpoints.attitude.rate);
+    }
+}
+
 impl<S: Scalar> Vehicle<S> {
-    // Not inlined, it builds the output where the caller wants it; inlined, it is built twice.
-    #[inline(never)]
+    /// Brings the output up to date: most of its bytes stay as they are in most steps.
     pub(super) fn report(
-        &self,
+        &mut self,
         now: Micros,
         sensors: &Sensors<S>,
         reply: Option<Reply>,
         events: EventQueue,
-    ) -> StepOutput {
-        let (state, situation) = (&self.state, &self.situation);
-        let report = self.mode.report();
-        StepOutput {
-            now,
-            sensors: in_single(sensors),
-            estimate: in_single(&situation.estimate),
-            reference: in_single(&situation.setpoints.reference),
-            taut: situation.taut.estimate().map(in_single),
-            taut_reference: in_single(&report.taut),
-            angle: in_single(&report.angle),
-            pendulum: situation.rod.as_ref().map(|rod| PendulumReport {
-                estimate: in_single(&rod.estimate),
-                reference: in_single(&report.load),
-            }),
-            rate_setpoint: in_single(&situation.setpoints.attitude.rate),
-            wrench: in_single(&state.wrench),
-            mixer: situation.mixer,
-            actuation: in_single(&state.actuation),
-            mode: self.mode.mode(),
-            is_armed: situation.armed_at.is_some(),
-            ground: situation.setpoints.ground,
-            is_armable: state.is_armable,
-            failures: state.failsafe.active(),
-            reply,
-            events,
+        news: News,
+    ) -> &StepOutput {
+        let Self { mode, situation, state, output, .. } = self;
+        output.now = now;
+        output.sensors = in_single(sensors);
+        if news.estimate {
+            output.estimate = in_single(&situation.estimate);
+        } else {
+            output.estimate.rate = in_single(&situation.estimate.rate);
         }
+        if news.observers {
+            output.observe(situation, mode);
+        }
+        if news.guidance {
+            output.guide(situation, mode);
+        }
+        output.wrench = in_single(&state.wrench);
+        output.mixer = situation.mixer;
+        output.actuation = in_single(&state.actuation);
+        output.mode = mode.mode();
+        output.is_armed = situation.armed_at.is_some();
+        output.ground = situation.setpoints.ground;
+        output.is_armable = state.is_armable;
+        output.failures = state.failsafe.active();
+        if reply.is_some() || output.reply.is_some() {
+            output.reply = reply;
+        }
+        if !(events.is_empty() && output.events.is_empty()) {
+            output.events = events;
+        }
+        #[cfg(debug_assertions)]
+        {
+            let before = output.clone();
+            output.estimate = in_single(&situation.estimate);
+            output.observe(situation, mode);
+            output.guide(situation, mode);
+            debug_assert!(*output == before, "a group changed that was not told");
+        }
+        output
     }
 }

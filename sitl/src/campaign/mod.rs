@@ -105,8 +105,7 @@ impl Campaign {
 /// One flight, checked.
 #[must_use]
 pub fn fly(scenario: &Scenario, seed: u64, limits: &Limits) -> Outcome {
-    let flight =
-        scenario.params().and_then(|params| Flight::new(scenario, params, seed, std::io::sink()));
+    let flight = scenario.params().and_then(|params| Flight::unrecorded(scenario, params, seed));
     let mut flight = match flight {
         Ok(flight) => flight,
         Err(e) => {

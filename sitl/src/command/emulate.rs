@@ -142,7 +142,7 @@ fn compare(
     params: Params,
     there: &Outcome,
 ) -> Result<(), Failure> {
-    let mut here = Flight::new(scenario, params, options.seed, std::io::sink())
+    let mut here = Flight::unrecorded(scenario, params, options.seed)
         .map_err(|e| Failure::Usage(e.to_string()))?;
     here.fly(options.duration);
     let position = here.world.environment.plant.from_anchor();

@@ -2,7 +2,7 @@
 
 use super::Failure;
 use super::status::StatusLine;
-use crate::flight::{Autopilot, Flight, Progress, Udp};
+use crate::flight::{Autopilot, Flight, Progress, Shadow, Udp};
 use crate::scenario::{Arithmetic, Scenario, Step, TetherKind, params_file, set_param};
 use clap::Args;
 use std::fs::{self, File};
@@ -53,6 +53,9 @@ pub struct Options {
     /// End after so many simulated seconds
     #[arg(long, value_name = "S", value_parser = duration)]
     duration: Option<f64>,
+    /// Estimators that run beside, in the log: nothing flies on them
+    #[arg(long, value_name = "LIST", value_delimiter = ',')]
+    beside: Vec<Shadow>,
     /// Where logs go
     #[arg(long, value_name = "DIR", default_value = "logs")]
     log_dir: PathBuf,
@@ -201,9 +204,9 @@ pub fn run(options: &Options) -> Result<(), Failure> {
     let path = log_path(&options.log_dir)?;
     let file =
         File::create(&path).map_err(|e| Failure::Usage(format!("{}: {e}", path.display())))?;
-    let mut flight =
-        Flight::new(&scenario, params, options.seed, BufWriter::with_capacity(1 << 16, file))
-            .map_err(|e| Failure::Run(e.0))?;
+    let log = BufWriter::with_capacity(1 << 16, file);
+    let mut flight = Flight::beside(&scenario, params, options.seed, log, &options.beside)
+        .map_err(|e| Failure::Run(e.0))?;
 
     describe(&scenario, options, &params);
     if let Some(udp) = &udp {
@@ -250,20 +253,19 @@ fn simulate(
                 udp.send(&answer);
             }
         }
-        let mut last = None;
         for _ in 0..CHUNK_MS {
-            last = Some(flight.step(&mut |frame| {
+            flight.step(&mut |frame| {
                 if let Some(udp) = udp.as_deref_mut() {
                     udp.send(frame);
                 }
-            }));
+            });
         }
         for (time, event) in flight.events.iter().skip(printed) {
             status.print(&format!("{time:7.1} s  {}", event.text));
         }
         printed = flight.events.len();
-        if let (false, Some(out)) = (options.headless, &last) {
-            status.show(&flight.world, out);
+        if !options.headless {
+            status.show(&flight.world, flight.output());
         }
         if factor > 0.0 {
             let due = Duration::from_secs_f64(flight.world.time() / factor);
@@ -276,7 +278,7 @@ fn simulate(
 }
 
 fn finish(
-    flight: Flight<BufWriter<File>>,
+    mut flight: Flight<BufWriter<File>>,
     udp: Option<&Udp>,
     began: Instant,
     path: &Path,
@@ -304,7 +306,7 @@ fn finish(
     if let Ok(json) = serde_json::to_string(&summary) {
         say!("Against the truth: {json}");
     }
-    flight.recorder.finish().map_err(|e| Failure::Run(format!("{}: {e}", path.display())))?;
+    flight.finish_log().map_err(|e| Failure::Run(format!("{}: {e}", path.display())))?;
     say!("Log: {}", path.display());
     match (progress, summary.lost) {
         (Progress::Failed(why), _) => Err(Failure::Run(why)),

@@ -364,7 +364,7 @@ mod tests {
     /// Whether they get through to the firmware in the simulator.
     fn reach_the_simulator(scenario: &Scenario) -> [bool; 2] {
         let params = scenario.params().unwrap();
-        let mut flight = Flight::new(scenario, params, 1, io::sink()).unwrap();
+        let mut flight = Flight::unrecorded(scenario, params, 1).unwrap();
         let mut is_captured = false;
         for _ in 0..TIME {
             is_captured |= flight.step(&mut |_| {}).sensors.capture.is_some();

@@ -114,7 +114,7 @@ type Flown = (Option<String>, Option<AngleFlightSummary>);
 fn fly(row: &Row, settings: &Overrides, seed: u64) -> Result<Flown, String> {
     let s = settings.on(scenario(row, seed)?)?;
     let params = s.params().map_err(|e| e.0)?;
-    let mut flight = Flight::new(&s, params, seed, std::io::sink()).map_err(|e| e.0)?;
+    let mut flight = Flight::unrecorded(&s, params, seed).map_err(|e| e.0)?;
     flight.fly(LONGEST);
     Ok((why_lost(&flight), flight.metrics.angle.summary()))
 }
@@ -165,11 +165,12 @@ pub fn run(settings: &Overrides) -> Result<Report, String> {
 fn picture(settings: &Overrides) -> Result<Vec<grid::Cell>, String> {
     let s = settings.on(scenario(&STEEP, 3)?)?;
     let params = s.params().map_err(|e| e.0)?;
-    let mut flight = Flight::new(&s, params, 3, std::io::sink()).map_err(|e| e.0)?;
+    let mut flight = Flight::unrecorded(&s, params, 3).map_err(|e| e.0)?;
     let mut began = None;
     let mut series: [Points; 10] = Default::default();
     while flight.world.time() < LONGEST && !flight.is_over() {
-        let out = flight.step(&mut |_| {});
+        flight.step(&mut |_| {});
+        let out = flight.output();
         let (Some(angle), Some(reference)) = (&out.angle, &out.reference) else { continue };
         let now = flight.world.time();
         let time = now - *began.get_or_insert(now);

@@ -65,7 +65,7 @@ fn fly(settings: &Overrides, row: &Row, scalar: Arithmetic, seed: u64) -> Result
     let scenario = Scenario::parse(row.text, row.name).map_err(|e| e.0)?;
     let scenario = Scenario { scalar, ..settings.on(scenario)? };
     let params = scenario.params().map_err(|e| e.0)?;
-    let mut flight = Flight::new(&scenario, params, seed, std::io::sink()).map_err(|e| e.0)?;
+    let mut flight = Flight::unrecorded(&scenario, params, seed).map_err(|e| e.0)?;
     flight.fly(LONGEST);
     match why_lost(&flight) {
         Some(why) => Err(format!("{}, {scalar:?}, seed {seed}: {why}", row.name)),

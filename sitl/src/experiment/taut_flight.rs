@@ -227,7 +227,7 @@ fn fly(
     let own = scenario(row, seed)?;
     let s = settings.on(own)?;
     let params = s.params().map_err(|e| e.0)?;
-    let mut flight = Flight::new(&s, params, seed, std::io::sink()).map_err(|e| e.0)?;
+    let mut flight = Flight::unrecorded(&s, params, seed).map_err(|e| e.0)?;
     if row.kind == TetherKind::Bar {
         flight.metrics.taut.settling = REST + row.duration + row.settle;
     }

@@ -47,7 +47,7 @@ fn identify(settings: &Overrides, seed: u64) -> Result<ThrustFit, String> {
     if let Some(why) = why_lost(&flight) {
         return Err(format!("excitation, seed {seed}: {why}"));
     }
-    let log = flight.recorder.finish().map_err(|e| e.to_string())?;
+    let log = flight.finish_log().map_err(|e| e.to_string())?.unwrap_or_default();
     let mut before = Params::default();
     let record = read_log(log.as_slice(), "log", &mut before)?;
     fit_thrust_map(&record, PwmRange::guess(&record), &before)
@@ -60,10 +60,11 @@ fn fly(settings: &Overrides, seed: u64, known: Option<&ThrustFit>) -> Result<[f6
     for (name, value) in known.iter().flat_map(|fit| fit.parameters()) {
         set_param(&mut params, name, value as f32)?;
     }
-    let mut flight = Flight::new(&s, params, seed, std::io::sink()).map_err(|e| e.0)?;
+    let mut flight = Flight::unrecorded(&s, params, seed).map_err(|e| e.0)?;
     let (mut sum, mut count) = (0.0, 0.0);
     while flight.world.time() < LONGEST && !flight.is_over() {
-        let out = flight.step(&mut |_| {});
+        flight.step(&mut |_| {});
+        let out = flight.output();
         if out.mode == Mode::TetherAngle {
             sum += flight.world.environment.plant.thrust() / f64::from(out.estimate.thrust) - 1.0;
             count += 1.0;

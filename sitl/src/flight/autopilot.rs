@@ -30,11 +30,21 @@ impl Autopilot {
     }
 
     /// One millisecond.
-    pub fn step(&mut self, input: &StepInput) -> StepOutput {
+    pub fn step(&mut self, input: &StepInput) -> &StepOutput {
         match self {
             Self::F32(vehicle) => vehicle.step(input),
             Self::F64(vehicle) => vehicle.step(input),
             Self::Q16(vehicle) => vehicle.step(input),
+        }
+    }
+
+    /// What the last step said.
+    #[must_use]
+    pub fn output(&self) -> &StepOutput {
+        match self {
+            Self::F32(vehicle) => vehicle.output(),
+            Self::F64(vehicle) => vehicle.output(),
+            Self::Q16(vehicle) => vehicle.output(),
         }
     }
 

@@ -6,7 +6,7 @@ mod environment;
 mod mavlink_sender;
 mod mission;
 mod recorder;
-mod shadow_estimators;
+mod shadow;
 mod udp;
 mod world;
 
@@ -15,12 +15,13 @@ pub use environment::Environment;
 pub use mavlink_sender::MavlinkSender;
 pub use mission::{MissionRunner, Progress};
 pub use recorder::Recorder;
+pub use shadow::Shadow;
 pub use udp::Udp;
 pub use world::World;
 
 use crate::metrics::Metrics;
 use crate::scenario::{Scenario, ScenarioError};
-use std::io::Write;
+use std::io::{self, Sink, Write};
 use tautline_firmware::param::Params;
 use tautline_firmware::signal::Event;
 use tautline_firmware::vehicle::StepOutput;
@@ -36,8 +37,8 @@ pub struct Flight<W: Write> {
     pub world: World,
     /// Its mission.
     pub mission: MissionRunner,
-    /// Its log.
-    pub recorder: Recorder<W>,
+    /// Its log, if anybody wants one.
+    recorder: Option<Recorder<W>>,
     /// Against the truth.
     pub metrics: Metrics,
     /// Events reported to the operator, with their times, s.
@@ -45,8 +46,24 @@ pub struct Flight<W: Write> {
     ended_at: Option<f64>,
 }
 
+impl Flight<Sink> {
+    /// Ready for the first step, without log and telemetry: for those who want the figures.
+    ///
+    /// # Errors
+    /// From the scenario or a driver's set-up.
+    pub fn unrecorded(
+        scenario: &Scenario,
+        params: Params,
+        seed: u64,
+    ) -> Result<Self, ScenarioError> {
+        let mut flight = Self::start(scenario, params, seed)?;
+        flight.world.is_heard = false;
+        Ok(flight)
+    }
+}
+
 impl<W: Write> Flight<W> {
-    /// Ready for the first step.
+    /// Ready for the first step, with a log of the vehicle's own topics and the truth.
     ///
     /// # Errors
     /// From the scenario or a driver's set-up.
@@ -56,13 +73,30 @@ impl<W: Write> Flight<W> {
         seed: u64,
         log: W,
     ) -> Result<Self, ScenarioError> {
-        let world = World::new(scenario, params, seed)?;
-        let recorder = Recorder::start(log, world.now(), &params);
-        let mission = MissionRunner::new(&scenario.mission, params.system_id as u8);
+        Self::beside(scenario, params, seed, log, &[])
+    }
+
+    /// The same with shadow estimators in the log.
+    ///
+    /// # Errors
+    /// From the scenario or a driver's set-up.
+    pub fn beside(
+        scenario: &Scenario,
+        params: Params,
+        seed: u64,
+        log: W,
+        shadows: &[Shadow],
+    ) -> Result<Self, ScenarioError> {
+        let mut flight = Self::start(scenario, params, seed)?;
+        flight.recorder = Some(Recorder::start(log, flight.world.now(), &params, shadows));
+        Ok(flight)
+    }
+
+    fn start(scenario: &Scenario, params: Params, seed: u64) -> Result<Self, ScenarioError> {
         Ok(Self {
-            world,
-            mission,
-            recorder,
+            world: World::new(scenario, params, seed)?,
+            mission: MissionRunner::new(&scenario.mission, params.system_id as u8),
+            recorder: None,
             metrics: Metrics::default(),
             events: Vec::new(),
             ended_at: None,
@@ -70,16 +104,34 @@ impl<W: Write> Flight<W> {
     }
 
     /// One millisecond. `send` is called with the vehicle's MAVLink frames.
-    pub fn step(&mut self, send: &mut dyn FnMut(&[u8])) -> StepOutput {
+    pub fn step(&mut self, send: &mut dyn FnMut(&[u8])) -> &StepOutput {
         let out = self.world.step(send);
+        let status = Status::of(out);
         let time = self.world.time();
         let world = &mut self.world;
-        self.mission.step(&Status::of(&out), time, &mut |frame| world.receive(frame, send));
+        self.mission.step(&status, time, &mut |frame| world.receive(frame, send));
         self.mission.act_by_hand(&mut self.world.environment.plant);
-        self.metrics.step(&out, &self.world.environment.plant, self.mission.is_holding());
-        self.recorder.write(&out, &self.world.environment.plant);
+        let (out, plant) = (self.world.vehicle.output(), &self.world.environment.plant);
+        self.metrics.step(out, plant, self.mission.is_holding());
+        if let Some(recorder) = &mut self.recorder {
+            recorder.write(out, plant);
+        }
         self.events.extend(out.events.iter().map(|event| (time, *event)));
         out
+    }
+
+    /// What the last step said.
+    #[must_use]
+    pub fn output(&self) -> &StepOutput {
+        self.world.vehicle.output()
+    }
+
+    /// Ends the log; `None` if there is none.
+    ///
+    /// # Errors
+    /// The first error of any write.
+    pub fn finish_log(&mut self) -> io::Result<Option<W>> {
+        self.recorder.take().map(Recorder::finish).transpose()
     }
 
     /// Flies the mission to its end, or for `limit` s.

@@ -1,6 +1,6 @@
 //! The flight on disk: the firmware's own ULog, and the truth beside it.
 
-use super::shadow_estimators::{ShadowEstimators, TOPICS};
+use super::shadow::{Shadow, ShadowEstimators};
 use crate::plant::Plant;
 use nalgebra::UnitQuaternion;
 use std::io::{self, Write};
@@ -28,8 +28,8 @@ pub struct Recorder<W: Write> {
     attitude: Topic,
     position: Topic,
     tether: Topic,
-    shadow: ShadowEstimators,
-    shadow_topics: [Topic; TOPICS.len()],
+    shadows: Vec<(Shadow, Topic)>,
+    estimators: ShadowEstimators,
     out: W,
     steps: u64,
     error: Option<io::Error>,
@@ -45,7 +45,7 @@ fn put<W: Write>(out: &mut W, error: &mut Option<io::Error>, bytes: &[u8]) {
 
 impl<W: Write> Recorder<W> {
     /// Header, definitions, parameters.
-    pub fn start(mut out: W, now: Micros, params: &Params) -> Self {
+    pub fn start(mut out: W, now: Micros, params: &Params, shadows: &[Shadow]) -> Self {
         let mut error = None;
         let mut sink = |bytes: &[u8]| put(&mut out, &mut error, bytes);
         let mut log = FlightLog::start(
@@ -55,8 +55,8 @@ impl<W: Write> Recorder<W> {
                 ulog.define::<VehicleAttitude>(ATTITUDE, sink);
                 ulog.define::<VehicleLocalPosition>(POSITION, sink);
                 ulog.define::<TetherState>(TETHER, sink);
-                for name in TOPICS {
-                    ulog.define::<EstimatorPosition>(name, sink);
+                for shadow in shadows {
+                    ulog.define::<EstimatorPosition>(shadow.topic(), sink);
                 }
             },
             &mut sink,
@@ -64,9 +64,10 @@ impl<W: Write> Recorder<W> {
         let attitude = log.ulog.subscribe(ATTITUDE, &mut sink);
         let position = log.ulog.subscribe(POSITION, &mut sink);
         let tether = log.ulog.subscribe(TETHER, &mut sink);
-        let shadow_topics = TOPICS.map(|name| log.ulog.subscribe(name, &mut sink));
-        let shadow = ShadowEstimators::new(params);
-        Self { log, attitude, position, tether, shadow, shadow_topics, out, steps: 0, error }
+        let subscribe = |&shadow: &Shadow| (shadow, log.ulog.subscribe(shadow.topic(), &mut sink));
+        let shadows = shadows.iter().map(subscribe).collect();
+        let estimators = ShadowEstimators::new(params);
+        Self { log, attitude, position, tether, shadows, estimators, out, steps: 0, error }
     }
 
     /// One step and the truth at its end.
@@ -80,12 +81,14 @@ impl<W: Write> Recorder<W> {
             self.log.ulog.write(self.position, &true_position(at, plant), &mut sink);
             self.log.ulog.write(self.tether, &true_tether(at, plant), &mut sink);
         }
-        self.shadow.step(out);
-        if self.steps.is_multiple_of(SHADOW_PERIOD) {
-            let records = self.shadow.records(out.now.0);
-            for (topic, record) in self.shadow_topics.iter().zip(&records) {
-                if let Some(record) = record {
-                    self.log.ulog.write(*topic, record, &mut sink);
+        if !self.shadows.is_empty() {
+            self.estimators
+                .step(out, |shadow| self.shadows.iter().any(|(asked, _)| *asked == shadow));
+            if self.steps.is_multiple_of(SHADOW_PERIOD) {
+                for (shadow, topic) in &self.shadows {
+                    if let Some(record) = self.estimators.record(*shadow, out.now.0) {
+                        self.log.ulog.write(*topic, &record, &mut sink);
+                    }
                 }
             }
         }

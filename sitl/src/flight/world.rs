@@ -21,6 +21,8 @@ pub struct World {
     pub vehicle: Autopilot,
     /// Its MAVLink connection.
     pub connection: Connection,
+    /// Somebody listens to the vehicle's telemetry.
+    pub is_heard: bool,
 }
 
 impl World {
@@ -39,7 +41,7 @@ impl World {
         };
         let vehicle = Autopilot::new(scenario.scalar, params, environment.sensors.scale());
         environment.begin();
-        Ok(Self { environment, motors, vehicle, connection: Connection::new() })
+        Ok(Self { environment, motors, vehicle, connection: Connection::new(), is_heard: true })
     }
 
     /// µs since power-up.
@@ -64,7 +66,7 @@ impl World {
     }
 
     /// One millisecond.
-    pub fn step(&mut self, send: &mut dyn FnMut(&[u8])) -> StepOutput {
+    pub fn step(&mut self, send: &mut dyn FnMut(&[u8])) -> &StepOutput {
         let winch = f64::from(self.vehicle.winch_tension());
         self.environment.advance(self.motors.channels_mut(), winch);
         let (now, params) = (self.environment.now(), self.vehicle.params());
@@ -83,13 +85,16 @@ impl World {
             request: self.connection.next_request(),
         };
         let out = self.vehicle.step(&input);
+        self.environment.release_rod(out.mode);
         match self.motors.write(&out.actuation.throttle) {
             Ok(()) => {}
             Err(never) => match never {},
         }
         self.vehicle.maintain();
-        self.connection.transmit(&out, self.vehicle.params(), send);
-        self.environment.release_rod(out.mode);
+        let out = self.vehicle.output();
+        if self.is_heard {
+            self.connection.transmit(out, self.vehicle.params(), send);
+        }
         out
     }
 }

@@ -12,7 +12,7 @@ fn main() {
 #[cfg(target_os = "none")]
 mod board {
     use core::panic::PanicInfo;
-    use tautline_firmware::vehicle::{StepInput, StepOutput, Vehicle};
+    use tautline_firmware::vehicle::{StepInput, Vehicle};
 
     unsafe extern "C" {
         /// Defined nowhere.
@@ -27,20 +27,16 @@ mod board {
 
     /// The step and what follows it, as the board's interrupt calls them.
     #[unsafe(no_mangle)]
-    pub extern "Rust" fn tautline_step(
-        vehicle: &mut Vehicle<f32>,
-        input: &StepInput,
-        out: &mut StepOutput,
-    ) {
-        *out = vehicle.step(input);
+    pub extern "Rust" fn tautline_step(vehicle: &mut Vehicle<f32>, input: &StepInput) {
+        vehicle.step(input);
         vehicle.maintain();
         #[cfg(feature = "canary")]
-        assert!(out.now.0 != 7, "reachable");
+        assert!(vehicle.output().now.0 != 7, "reachable");
     }
 
     /// Keeps the step from being discarded.
     #[unsafe(no_mangle)]
-    pub static TAUTLINE_KEEP: fn(&mut Vehicle<f32>, &StepInput, &mut StepOutput) = tautline_step;
+    pub static TAUTLINE_KEEP: fn(&mut Vehicle<f32>, &StepInput) = tautline_step;
 
     #[unsafe(no_mangle)]
     pub extern "C" fn _start() -> usize {

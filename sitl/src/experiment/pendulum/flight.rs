@@ -41,7 +41,7 @@ type Flown = (Option<String>, Option<PendulumFlightSummary>);
 
 fn fly(s: &Scenario, seed: u64) -> Result<Flown, String> {
     let params = s.params().map_err(|e| e.0)?;
-    let mut flight = Flight::new(s, params, seed, std::io::sink()).map_err(|e| e.0)?;
+    let mut flight = Flight::unrecorded(s, params, seed).map_err(|e| e.0)?;
     flight.fly(LONGEST);
     Ok((why_lost(&flight), flight.metrics.pendulum.summary()))
 }
@@ -126,12 +126,13 @@ fn draw(report: &mut Report, settings: &Overrides) -> Result<(), String> {
     let s = settings.on(base(DisturbanceKind::Stochastic)?)?;
     let params = s.params().map_err(|e| e.0)?;
     let seed = settings.seed.max(1);
-    let mut flight = Flight::new(&s, params, seed, std::io::sink()).map_err(|e| e.0)?;
+    let mut flight = Flight::unrecorded(&s, params, seed).map_err(|e| e.0)?;
     let mut began = None;
     let mut series: [Points; 8] = Default::default();
     let mut paths: [Vec<[f64; 3]>; 3] = Default::default();
     while flight.world.time() < LONGEST && !flight.is_over() {
-        let out = flight.step(&mut |_| {});
+        flight.step(&mut |_| {});
+        let out = flight.output();
         let plant = &flight.world.environment.plant;
         let (Some(report), Some(rod), Mode::Pendulum) = (&out.pendulum, &plant.rod, out.mode)
         else {

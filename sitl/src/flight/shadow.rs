@@ -1,6 +1,7 @@
 //! Shadow estimators: the self-localisation filters run on what the firmware's sense stage reports, for
 //! the log; nothing flies on them.
 
+use clap::ValueEnum;
 use tautline_firmware::estimate::localization::{
     ErrorState, ErrorStateFilter, ErrorStateMeasurement, ErrorStateNoise, ErrorStateStart,
     LowPassLocator, LowPassState, NoiseReading, article_ekf, article_start,
@@ -19,9 +20,32 @@ const SLOW_PERIOD: u32 = 20;
 /// Lower, the vehicle may still stand, m.
 const CLEAR: f64 = 0.6;
 
-/// Topics, in the order of [`ShadowEstimators::records`].
-pub const TOPICS: [&str; 4] =
-    ["estimator_ekf3", "estimator_ekf4_article", "estimator_low_pass", "estimator_error_state"];
+/// A filter that can run beside.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Shadow {
+    /// The article's with the tension known, from winch or mode
+    Ekf3,
+    /// The article's with the tension estimated
+    Ekf4,
+    /// The article's low-pass solution
+    LowPass,
+    /// The article's error-state filter
+    ErrorState,
+}
+
+impl Shadow {
+    /// Its topic in the log.
+    #[must_use]
+    pub fn topic(self) -> &'static str {
+        match self {
+            Self::Ekf3 => "estimator_ekf3",
+            // The firmware's own has the plain name.
+            Self::Ekf4 => "estimator_ekf4_article",
+            Self::LowPass => "estimator_low_pass",
+            Self::ErrorState => "estimator_error_state",
+        }
+    }
+}
 
 /// The filters, and their states while in the air.
 #[derive(Debug)]
@@ -95,8 +119,8 @@ impl ShadowEstimators {
         out.taut.map(|taut| f64::from(taut.link_force))
     }
 
-    /// One millisecond.
-    pub fn step(&mut self, out: &StepOutput) {
+    /// One millisecond of those that are asked for.
+    pub fn step(&mut self, out: &StepOutput, is_asked: impl Fn(Shadow) -> bool) {
         self.step = self.step.wrapping_add(1);
         let in_air = matches!(out.ground, GroundState::InAir | GroundState::Landing);
         let height = f64::from(out.estimate.height);
@@ -139,11 +163,17 @@ impl ShadowEstimators {
                 flying.three.x.w = tension;
             }
             // A refused step keeps the state; nothing flies on it.
-            let _ = self.ekf3.step(&mut flying.three, &z);
-            let _ = self.ekf4.step(&mut flying.four, &z);
-            let _ = self.low_pass.step(&mut flying.low, &z);
+            if is_asked(Shadow::Ekf3) {
+                let _ = self.ekf3.step(&mut flying.three, &z);
+            }
+            if is_asked(Shadow::Ekf4) {
+                let _ = self.ekf4.step(&mut flying.four, &z);
+            }
+            if is_asked(Shadow::LowPass) {
+                let _ = self.low_pass.step(&mut flying.low, &z);
+            }
         }
-        if self.step.is_multiple_of(SLOW_PERIOD) {
+        if self.step.is_multiple_of(SLOW_PERIOD) && is_asked(Shadow::ErrorState) {
             let mean = 1.0 / flying.samples;
             let z = ErrorStateMeasurement {
                 cable: cable(flying.accel * mean, slow_altitude.take()),
@@ -164,10 +194,10 @@ impl ShadowEstimators {
         }
     }
 
-    /// What each estimates now; `None` on the ground, and before it has started.
+    /// What one estimates now; `None` on the ground, and before it has started.
     #[must_use]
-    pub fn records(&self, timestamp: u64) -> [Option<EstimatorPosition>; 4] {
-        let Some(flying) = &self.flying else { return [None; 4] };
+    pub fn record(&self, shadow: Shadow, timestamp: u64) -> Option<EstimatorPosition> {
+        let flying = self.flying.as_ref()?;
         let three = |v: V3<f64>| -> [f32; 3] { v.map(|x| x as f32).into() };
         let record = |position: V3<f64>, sd: V3<f64>, tension: f64| EstimatorPosition {
             timestamp,
@@ -180,13 +210,15 @@ impl ShadowEstimators {
             let c = x.covariance.diagonal();
             record(x.position(), V3::new(c.x, c.y, c.z).map(f64::sqrt), x.tension())
         };
-        [
-            Some(filter(&flying.three)),
-            Some(filter(&flying.four)),
-            flying.low.solution.map(|at| record(at.position.0, V3::zeros(), at.tension)),
-            flying
+        match shadow {
+            Shadow::Ekf3 => Some(filter(&flying.three)),
+            Shadow::Ekf4 => Some(filter(&flying.four)),
+            Shadow::LowPass => {
+                flying.low.solution.map(|at| record(at.position.0, V3::zeros(), at.tension))
+            }
+            Shadow::ErrorState => flying
                 .error_state
                 .map(|x| record(x.position.0, V3::from_fn(|i, _| x.deviation(i)), x.tension)),
-        ]
+        }
     }
 }
