@@ -25,7 +25,12 @@ const CORRECTION_MAX: f64 = 0.4;
 /// shorter where the vehicle would speed up after the missing force.
 pub(super) const SLACK_SHARE: f64 = 0.3;
 pub(super) const SLACK_TIME_FORCE: f64 = 0.5;
-const SLACK_TIME_ATTITUDE: f64 = 1.0;
+const SLACK_TIME_ATTITUDE: f64 = 0.8;
+/// In Taut Attitude no force is wanted: what the link has pulled lately stands in for it, s.
+const PULL_TIME: f64 = 2.0;
+/// No vehicle on its link is higher than the link is long, but for the altimeter's error: share and m.
+const REACH_SHARE: f64 = 1.15;
+const REACH_MARGIN: f64 = 0.3;
 
 /// The second output as the observer sees it.
 fn second<S: Scalar>(purpose: TautPurpose, now: &TautEstimate<S>) -> S {
@@ -50,6 +55,8 @@ pub(super) struct TautLink<S: Scalar> {
     plan: TautPlan<S>,
     /// Elevation that the observer sees too much of, by the altimeter, rad.
     correction: S,
+    /// What the link pulls when all is well, low-passed, N.
+    pull: S,
     /// How long the link has pulled less than it should, s.
     slack: S,
     start: OutOfPlane<S>,
@@ -62,6 +69,12 @@ fn elevation_by_altimeter<S: Scalar>(cx: &Context<'_, S>) -> Option<S> {
     let end = S::from_f32(cx.params.attachment) * estimate.attitude.cos_tilt();
     let sin = (estimate.height - end) / cx.config.constants.tether_length;
     (cx.sensors.altitude_is_fresh && sin.abs() < S::one()).then(|| sin.asin())
+}
+
+/// The altimeter allows that the link holds the vehicle.
+fn is_within_reach<S: Scalar>(cx: &Context<'_, S>) -> bool {
+    let reach = cx.config.constants.tether_length * S::lit(REACH_SHARE) + S::lit(REACH_MARGIN);
+    !cx.sensors.altitude_is_fresh || cx.situation.estimate.height < reach
 }
 
 impl<S: Scalar> FlightMode<S> for TautLink<S> {
@@ -108,6 +121,7 @@ impl<S: Scalar> FlightMode<S> for TautLink<S> {
             controller: taut.controller(purpose).start(now),
             plan: TautPlan::stay(purpose, elevation, second(purpose, now)),
             correction,
+            pull: now.link_force,
             slack: S::zero(),
             start: OutOfPlane { azimuth, roll },
         })
@@ -135,10 +149,18 @@ impl<S: Scalar> FlightMode<S> for TautLink<S> {
         let floor = taut.force_min * S::lit(0.5);
         let (expected, patience) = match self.purpose {
             TautPurpose::Force => ((wanted * S::lit(SLACK_SHARE)).max(floor), SLACK_TIME_FORCE),
-            TautPurpose::Attitude => (floor, SLACK_TIME_ATTITUDE),
+            TautPurpose::Attitude => {
+                ((self.pull * S::lit(SLACK_SHARE)).max(floor), SLACK_TIME_ATTITUDE)
+            }
         };
-        let is_pulling = taut.bounds.kind.is_rigid() || now.link_force > expected;
-        self.slack = if is_pulling { S::zero() } else { self.slack + dt };
+        let is_pulling =
+            taut.bounds.kind.is_rigid() || (now.link_force > expected && is_within_reach(cx));
+        if is_pulling {
+            self.pull += (now.link_force - self.pull) * (dt / S::lit(PULL_TIME));
+            self.slack = S::zero();
+        } else {
+            self.slack += dt;
+        }
         if self.slack > S::lit(patience) {
             return Err(SLACK);
         }
