@@ -17,7 +17,11 @@ struct Stream {
 
 /// The schedule of one connection: a slot for each row of [`MESSAGES`].
 #[derive(Clone, Copy, Debug)]
-pub struct Streams([Stream; MESSAGES.len()]);
+pub struct Streams {
+    rows: [Stream; MESSAGES.len()],
+    /// Nothing is due earlier.
+    wake: Micros,
+}
 
 impl Default for Streams {
     fn default() -> Self {
@@ -25,15 +29,22 @@ impl Default for Streams {
             interval_us: message.interval_us.unwrap_or(0),
             due: Micros(0),
         };
-        Self(MESSAGES.each_ref().map(start))
+        Self { rows: MESSAGES.each_ref().map(start), wake: Micros(0) }
     }
 }
 
 impl Streams {
     /// A message that is due; call until `None`.
     pub fn next_due(&mut self, now: Micros) -> Option<u32> {
-        let mut rows = self.0.iter_mut().zip(&MESSAGES);
-        let (due, message) = rows.find(|(s, _)| s.interval_us > 0 && now >= s.due)?;
+        if now < self.wake {
+            return None;
+        }
+        let mut rows = self.rows.iter_mut().zip(&MESSAGES);
+        let Some((due, message)) = rows.find(|(s, _)| s.interval_us > 0 && now >= s.due) else {
+            let due = self.rows.iter().filter(|s| s.interval_us > 0).map(|s| s.due);
+            self.wake = due.min().unwrap_or(now);
+            return None;
+        };
         let interval = u64::from(due.interval_us);
         due.due = Micros((due.due.0 + interval).max(now.0 + interval / 2));
         Some(message.id)
@@ -42,7 +53,7 @@ impl Streams {
     /// MAVLink's convention: -1 turns off, 0 is the default, else µs. False for a message that is not
     /// streamed, or for turning the heartbeat off.
     pub fn set_interval(&mut self, id: u32, interval_us: f32) -> bool {
-        let row = self.0.iter_mut().zip(&MESSAGES).find(|(_, message)| message.id == id);
+        let row = self.rows.iter_mut().zip(&MESSAGES).find(|(_, message)| message.id == id);
         let Some((stream, &Message { interval_us: Some(default), .. })) = row else {
             return false;
         };
@@ -56,12 +67,13 @@ impl Streams {
         } else {
             (interval_us as u32).max(FASTEST_US)
         };
+        self.wake = Micros(0);
         true
     }
 
     /// Present interval, µs; -1 when off, `None` for a message that is not streamed.
     pub fn interval(&self, id: u32) -> Option<i32> {
-        let (stream, message) = self.0.iter().zip(&MESSAGES).find(|(_, row)| row.id == id)?;
+        let (stream, message) = self.rows.iter().zip(&MESSAGES).find(|(_, row)| row.id == id)?;
         message.interval_us?;
         Some(if stream.interval_us == 0 { -1 } else { stream.interval_us as i32 })
     }

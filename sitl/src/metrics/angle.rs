@@ -1,7 +1,8 @@
 //! How well was a tether angle held? Against the truth, as `flight` section 7 counts.
 
+use super::DT;
 use super::Spread;
-use crate::plant::{DT, Plant, SUBSTEPS};
+use crate::plant::Plant;
 use serde::Serialize;
 use tautline_firmware::estimate::tether_angle::plane_angles;
 use tautline_firmware::frames::World;
@@ -46,9 +47,8 @@ impl AngleMetrics {
             self.time = 0.0;
             return;
         };
-        let dt = DT * f64::from(SUBSTEPS);
-        self.time += dt;
-        self.slack = if plant.tether.tension < 0.05 { self.slack + dt } else { 0.0 };
+        self.time += DT;
+        self.slack = if plant.tether.tension < 0.05 { self.slack + DT } else { 0.0 };
         if self.slack > SLACK_TIME {
             self.lost.get_or_insert("slack for over a second");
         }

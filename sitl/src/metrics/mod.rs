@@ -1,6 +1,8 @@
 //! How well was it flown? Against the truth, not the estimate: a whole flight ([`Metrics`]), and beside it
 //! each mode that has figures of its own.
 
+use crate::plant::TICK;
+
 mod angle;
 mod flown;
 mod pendulum;
@@ -12,3 +14,8 @@ pub use flown::{Metrics, Summary};
 pub use pendulum::{PendulumFlightSummary, PendulumMetrics};
 pub use spread::Spread;
 pub use taut::{TautMetrics, TautSummary};
+
+/// Milliseconds from one look to the next: errors change slower than that.
+const PERIOD: u32 = 10;
+/// The same, s.
+const DT: f64 = TICK * PERIOD as f64;

@@ -1,5 +1,6 @@
 //! How well was a load balanced? Against the truth.
 
+use super::DT;
 use crate::plant::{Plant, RodPhase, V3};
 use serde::Serialize;
 use tautline_firmware::supervisor::Mode;
@@ -8,7 +9,6 @@ use tautline_firmware::vehicle::StepOutput;
 /// After this time in the mode the load counts as settled, s.
 const SETTLING: f64 = 10.0;
 /// One step, s.
-const DT: f64 = 1e-3;
 
 /// Collects during a flight.
 #[derive(Clone, Debug, Default)]
@@ -42,7 +42,7 @@ pub struct PendulumFlightSummary {
 }
 
 impl PendulumMetrics {
-    /// One millisecond.
+    /// One look.
     pub fn step(&mut self, out: &StepOutput, plant: &Plant) {
         let Some(rod) = &plant.rod else { return };
         if rod.phase == RodPhase::Fallen {

@@ -1,7 +1,8 @@
 //! How well was it flown in a taut-link mode? Against the truth, as `flight` section 7 counts.
 
+use super::DT;
 use super::Spread;
-use crate::plant::{DT, Plant, SUBSTEPS, V3};
+use crate::plant::{Plant, V3};
 use serde::Serialize;
 use tautline_firmware::supervisor::Mode;
 use tautline_firmware::vehicle::StepOutput;
@@ -65,16 +66,15 @@ impl Default for TautMetrics {
 }
 
 impl TautMetrics {
-    /// One millisecond.
+    /// One look.
     pub fn step(&mut self, out: &StepOutput, plant: &Plant) {
-        let dt = DT * f64::from(SUBSTEPS);
         let tension = plant.tether.tension;
-        self.force += (tension - self.force) * (dt / FORCE_MEAN);
+        self.force += (tension - self.force) * (DT / FORCE_MEAN);
         let (Some(reference), Some(taut)) = (out.taut_reference, out.taut) else {
             self.time = 0.0;
             return;
         };
-        self.time += dt;
+        self.time += DT;
         let body = &plant.body;
         let end = plant.end();
         let elevation = (-end.z).atan2(end.x.hypot(end.y));
@@ -85,7 +85,7 @@ impl TautMetrics {
         let [second, ..] = reference.second.map(f64::from);
         let off = setpoint - elevation;
 
-        self.slack = if tension.abs() < 0.05 { self.slack + dt } else { 0.0 };
+        self.slack = if tension.abs() < 0.05 { self.slack + DT } else { 0.0 };
         if self.slack > SLACK_TIME {
             self.lost.get_or_insert("slack for over a second");
         }
