@@ -80,6 +80,7 @@ impl Body {
     }
 
     /// Semi-implicit Euler under a force (without gravity), world axes, and a torque, body axes.
+    #[inline]
     pub fn step(&mut self, model: &BodyModel, force: &V3, torque: &V3, dt: f64) {
         let accel = force / model.mass + V3::new(0.0, 0.0, GRAVITY);
         self.velocity += accel * dt;
@@ -91,6 +92,7 @@ impl Body {
     }
 
     /// By a rotation vector in body axes, rad.
+    #[inline]
     fn turn(&mut self, by: V3) {
         let half = by * 0.5;
         let square = half.norm_squared();

@@ -64,6 +64,7 @@ impl Ground {
     }
 
     /// Force in world axes, N, and torque in body axes, N m, on a body that is turned by `rotation`.
+    #[inline]
     pub fn step(
         &mut self,
         model: &GroundModel,
@@ -74,6 +75,10 @@ impl Ground {
             self.stuck = [None; 4];
             return (V3::zeros(), V3::zeros());
         }
+        self.touch(model, body, rotation)
+    }
+
+    fn touch(&mut self, model: &GroundModel, body: &Body, rotation: &Rotation3<f64>) -> (V3, V3) {
         let was_touching = self.is_touching();
         let (mut force, mut torque) = (V3::zeros(), V3::zeros());
         for (stuck, (x, y)) in self.stuck.iter_mut().zip(FEET) {

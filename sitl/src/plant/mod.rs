@@ -56,6 +56,7 @@ pub fn generator(seed: u64, part: u64) -> Pcg64Mcg {
 }
 
 /// A standard normal sample.
+#[inline]
 pub fn normal(rng: &mut Pcg64Mcg) -> f64 {
     StandardNormal.sample(rng)
 }
@@ -175,17 +176,21 @@ impl Plant {
     }
 
     /// Force on the body but for its weight, body axes, N.
+    #[inline]
     fn substep(&mut self, wind: V3) -> V3 {
         let m = &self.model;
         let mut thrust = 0.0;
-        let mut torque = -m.body.rate_damping * self.body.rate;
+        let mut moment = V3::zeros();
+        let share = m.rotor.share(DT);
         for (rotor, hub) in self.rotors.iter_mut().zip(&m.rotor.hubs) {
-            let t = rotor.step(&m.rotor, DT);
+            let t = rotor.step(&m.rotor, share);
             thrust += t;
-            torque.x -= hub.y * m.rotor.arm * t;
-            torque.y += hub.x * m.rotor.arm * t;
-            torque.z += hub.spin * m.rotor.torque_ratio * t;
+            moment.x -= hub.y * t;
+            moment.y += hub.x * t;
+            moment.z += hub.spin * t;
         }
+        let lever = V3::new(m.rotor.arm, m.rotor.arm, m.rotor.torque_ratio);
+        let mut torque = moment.component_mul(&lever) - m.body.rate_damping * self.body.rate;
         let rotation = self.body.rotation();
         let air = rotation.inverse_transform_vector(&(self.body.velocity - wind));
         let mut force_body = m.body.drag(&air);

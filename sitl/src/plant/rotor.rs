@@ -49,6 +49,12 @@ pub struct RotorModel {
 }
 
 impl RotorModel {
+    /// Of the way to its target that the speed moves in `dt` s.
+    #[must_use]
+    pub fn share(&self, dt: f64) -> f64 {
+        (dt / self.time_constant).min(1.0)
+    }
+
     /// As the scenario describes them.
     #[must_use]
     pub fn new(vehicle: &VehicleSection) -> Self {
@@ -96,9 +102,10 @@ impl Rotor {
         self.target = top * power(throttle.clamp(0.0, 1.0), model.curve);
     }
 
-    /// Thrust, N, `dt` s later.
-    pub fn step(&mut self, model: &RotorModel, dt: f64) -> f64 {
-        self.speed += (self.target - self.speed) * (dt / model.time_constant).min(1.0);
+    /// Thrust, N, after the speed has moved by a share of its way: [`RotorModel::share`].
+    #[inline]
+    pub fn step(&mut self, model: &RotorModel, share: f64) -> f64 {
+        self.speed += (self.target - self.speed) * share;
         self.thrust(model)
     }
 

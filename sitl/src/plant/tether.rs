@@ -125,6 +125,7 @@ impl Tether {
     }
 
     /// Force on the attachment, world axes, N. `end`: its position from the anchor and its velocity.
+    #[inline]
     pub fn pull(&mut self, model: &TetherModel, end: &V3, velocity: &V3, wind: &V3) -> V3 {
         self.distance = end.norm();
         if model.is_broken || self.distance < SHORTEST {
