@@ -66,8 +66,9 @@ impl<S: Scalar> ModeConfig<S> {
 
     #[inline(never)]
     pub fn taut(p: &Params) -> Option<taut::TautConfig<S>> {
-        let is_free = TetherKind::from_parameter(p.tether_kind).is_free();
-        taut::TautConfig::new(p).filter(|_| !is_free)
+        // A winch lets the length go: neither mode nor observer.
+        let kind = TetherKind::from_parameter(p.tether_kind);
+        taut::TautConfig::new(p).filter(|_| !kind.is_free() && !kind.has_winch())
     }
 
     #[inline(never)]
@@ -133,6 +134,16 @@ pub(crate) trait FlightMode<S: Scalar>: Sized {
         _cx: &Context<'_, S>,
     ) -> Result<(), Refusal> {
         Err(refusal::not_here(action))
+    }
+
+    /// A command was taken up, and its answer takes more than one step.
+    fn is_considering(&self) -> bool {
+        false
+    }
+
+    /// Goes on considering, a step's worth; the answer when there is one.
+    fn consider(&mut self, _cx: &Context<'_, S>) -> Option<Result<(), Refusal>> {
+        None
     }
 
     /// The heading for whatever flies next, rad.
@@ -270,6 +281,14 @@ impl<S: Scalar> ActiveMode<S> {
 
     pub fn command(&mut self, action: &Action, cx: &Context<'_, S>) -> Result<(), Refusal> {
         flying!(&mut self.flying, state => state.command(&mut self.handover, action, cx))
+    }
+
+    pub fn is_considering(&self) -> bool {
+        flying!(&self.flying, state => FlightMode::<S>::is_considering(state))
+    }
+
+    pub fn consider(&mut self, cx: &Context<'_, S>) -> Option<Result<(), Refusal>> {
+        flying!(&mut self.flying, state => state.consider(cx))
     }
 
     pub fn sees_pull(&self, cx: &Context<'_, S>) -> Option<bool> {

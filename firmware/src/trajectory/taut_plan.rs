@@ -5,8 +5,6 @@ use crate::model::{PlanarModel, PlanarState, TetherKind};
 use crate::scalar::Scalar;
 use crate::signal::{PlanarReference, TautPurpose};
 
-/// Points of a move that are checked.
-const CHECKS: u8 = 32;
 /// Largest pitch of a plan, rad.
 const PITCH_MAX: f64 = 1.1;
 /// A link force that changes its sign must do so within this time, s: near zero it shows no direction.
@@ -37,6 +35,9 @@ pub struct TautPlan<S> {
 }
 
 impl<S: Scalar> TautPlan<S> {
+    /// Points of a move that are checked, one after the other.
+    pub const CHECKS: u8 = 33;
+
     /// Stay at an elevation, rad, and a link force, N, or pitch, rad.
     #[must_use]
     pub fn stay(purpose: TautPurpose, elevation: S, second: S) -> Self {
@@ -93,14 +94,14 @@ impl<S: Scalar> TautPlan<S> {
         (self.elevation.end(), self.second.end())
     }
 
-    /// Whether vehicle and link can follow, or what they cannot.
+    /// Whether vehicle and link can follow at one of [`Self::CHECKS`] points, or what they cannot: each costs as much as
+    /// half a step of the vehicle, so that they are looked at one by one. The first also judges where the move ends.
     ///
     /// # Errors
     /// A reason for the operator.
-    pub fn check(&self, bounds: &TautBounds<S>) -> Result<(), &'static str> {
-        let step = self.elevation.duration() / S::lit(f64::from(CHECKS));
-        let [first] = self.second.at(S::zero());
-        if self.purpose == TautPurpose::Force {
+    pub fn check(&self, at: u8, bounds: &TautBounds<S>) -> Result<(), &'static str> {
+        if at == 0 && self.purpose == TautPurpose::Force {
+            let [first] = self.second.at(S::zero());
             let last = self.second.end();
             let is_crossing = (first > S::zero()) != (last > S::zero());
             check_carried(bounds.kind, last)?;
@@ -111,16 +112,14 @@ impl<S: Scalar> TautPlan<S> {
                 return Err("Move refused: cross zero force within 2 s");
             }
         }
+        let share = S::lit(f64::from(at)) / S::lit(f64::from(Self::CHECKS - 1));
+        let point = self.at(self.elevation.duration() * share);
         let (low, high) = bounds.elevation;
-        for k in 0..=CHECKS {
-            let point = self.at(step * S::lit(f64::from(k)));
-            let [phi, ..] = point.elevation;
-            if !(phi >= low && phi <= high) {
-                return Err("Move refused: elevation out of range");
-            }
-            self.check_point(&point, bounds)?;
+        let [phi, ..] = point.elevation;
+        if !(phi >= low && phi <= high) {
+            return Err("Move refused: elevation out of range");
         }
-        Ok(())
+        self.check_point(&point, bounds)
     }
 
     fn check_point(

@@ -31,7 +31,7 @@ use crate::param::Params;
 use crate::scalar::Scalar;
 use crate::sense::{ImuScale, SenseState};
 use crate::signal::{
-    Actuation, Event, EventQueue, MixerReport, Reply, Sensors, WinchCommand, Wrench,
+    Actuation, Event, EventQueue, MixerReport, Reply, Sensors, Ticket, WinchCommand, Wrench,
 };
 use crate::supervisor::{FailsafeState, GroundState, TouchDownState};
 use crate::time::{INNER_DT, Micros};
@@ -69,6 +69,8 @@ struct State<S: Scalar> {
     link_at: Option<Micros>,
     /// A parameter that the vehicle changed by itself, for the ground station.
     echo: Option<usize>,
+    /// Whose command the mode still considers.
+    considered: Option<Ticket>,
     rate: RateState<S>,
     wrench: Wrench<S>,
     actuation: Actuation<S>,
@@ -151,6 +153,7 @@ impl<S: Scalar> Vehicle<S> {
             contact_ramp: S::one(),
             link_at: None,
             echo: None,
+            considered: None,
             rate: RateState::default(),
             wrench: Wrench { thrust: S::zero(), torque: Body(V3::zeros()) },
             actuation: Actuation {
@@ -219,8 +222,10 @@ impl<S: Scalar> Vehicle<S> {
             self.state.phase = OuterPhase::Observe;
         }
         self.receive_rod(&sensors);
-        let reply: Option<Reply> =
-            input.request.map(|request| self.handle(&request, at, &mut events));
+        let reply = match &input.request {
+            Some(request) => self.handle(request, at, &mut events),
+            None => self.consider(at, &mut events),
+        };
         if phase == OuterPhase::Fly || sensors.imu.is_none() {
             self.supervise(at, &mut events);
         }
@@ -236,7 +241,7 @@ impl<S: Scalar> Vehicle<S> {
         self.actuate(&sensors);
         let reply = reply.or_else(|| self.state.echo.take().map(Reply::echo));
         // A request or a silent sensor may change anything.
-        let is_whole = input.request.is_some() || sensors.imu.is_none();
+        let is_whole = input.request.is_some() || reply.is_some() || sensors.imu.is_none();
         let news = News {
             estimate: has_ticked || !was_levelled || is_whole,
             observers: phase == OuterPhase::Observe || sensors.rod.is_some() || is_whole,

@@ -9,13 +9,24 @@ use crate::scalar::Scalar;
 use crate::signal::{Action, Event, EventQueue, Outcome, Reply, Request};
 use crate::supervisor::Mode;
 
+/// Accepted, or refused and told.
+fn outcome_of(result: Result<(), Refusal>, events: &mut EventQueue) -> Outcome {
+    match result {
+        Ok(()) => Outcome::Accepted,
+        Err((outcome, text)) => {
+            events.push(Event::warning(text));
+            outcome
+        }
+    }
+}
+
 impl<S: Scalar> Vehicle<S> {
     pub(super) fn handle(
         &mut self,
         request: &Request,
         at: Moment<'_, S>,
         events: &mut EventQueue,
-    ) -> Reply {
+    ) -> Option<Reply> {
         let mut parameter = None;
         let result = match request.action {
             Action::Arm { force } => self.arm(force, at, events),
@@ -37,14 +48,23 @@ impl<S: Scalar> Vehicle<S> {
             Action::ResetParams => self.reset_params(at),
             Action::Level => self.level(),
         };
-        let outcome = match result {
-            Ok(()) => Outcome::Accepted,
-            Err((outcome, text)) => {
-                events.push(Event::warning(text));
-                outcome
-            }
+        if result.is_ok() && self.state.considered.is_none() && self.mode.is_considering() {
+            self.state.considered = Some(request.ticket);
+            return None;
+        }
+        Some(Reply { ticket: request.ticket, outcome: outcome_of(result, events), parameter })
+    }
+
+    /// The answer to a command that the mode takes several steps to consider.
+    pub(super) fn consider(&mut self, at: Moment<'_, S>, events: &mut EventQueue) -> Option<Reply> {
+        let ticket = self.state.considered?;
+        let result = if self.mode.is_considering() {
+            self.mode.consider(&context!(self, at))?
+        } else {
+            Err(rejected("Move refused: the mode has ended"))
         };
-        Reply { ticket: request.ticket, outcome, parameter }
+        self.state.considered = None;
+        Some(Reply { ticket, outcome: outcome_of(result, events), parameter: None })
     }
 
     /// For the mode that flies.

@@ -8,8 +8,6 @@ use tautline_firmware::vehicle::StepOutput;
 
 /// After this time in the mode the load counts as settled, s.
 const SETTLING: f64 = 10.0;
-/// One step, s.
-
 /// Collects during a flight.
 #[derive(Clone, Debug, Default)]
 pub struct PendulumMetrics {

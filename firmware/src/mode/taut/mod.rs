@@ -47,12 +47,20 @@ pub(crate) struct OutOfPlane<S> {
     pub roll: S,
 }
 
+/// A move that was asked for, and how many of its points are good.
+#[derive(Clone, Copy, Debug)]
+struct Candidate<S> {
+    plan: TautPlan<S>,
+    checked: u8,
+}
+
 /// What moves.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct TautLink<S: Scalar> {
     purpose: TautPurpose,
     controller: TautControllerState<S>,
     plan: TautPlan<S>,
+    candidate: Option<Candidate<S>>,
     /// Elevation that the observer sees too much of, by the altimeter, rad.
     correction: S,
     /// What the link pulls when all is well, low-passed, N.
@@ -89,8 +97,7 @@ impl<S: Scalar> FlightMode<S> for TautLink<S> {
             TautPurpose::Force
         };
         let situation = cx.situation;
-        let Some(taut) = cx.config.modes.taut.as_ref().filter(|t| !t.bounds.kind.has_winch())
-        else {
+        let Some(taut) = cx.config.modes.taut.as_ref() else {
             return Err(NEEDS_FIXED_LENGTH);
         };
         let Some(now) = situation.taut.estimate() else {
@@ -120,6 +127,7 @@ impl<S: Scalar> FlightMode<S> for TautLink<S> {
             purpose,
             controller: taut.controller(purpose).start(now),
             plan: TautPlan::stay(purpose, elevation, second(purpose, now)),
+            candidate: None,
             correction,
             pull: now.link_force,
             slack: S::zero(),
@@ -182,6 +190,14 @@ impl<S: Scalar> FlightMode<S> for TautLink<S> {
         cx: &Context<'_, S>,
     ) -> Result<(), Refusal> {
         self.go(action, cx)
+    }
+
+    fn is_considering(&self) -> bool {
+        self.candidate.is_some()
+    }
+
+    fn consider(&mut self, cx: &Context<'_, S>) -> Option<Result<(), Refusal>> {
+        self.look(cx)
     }
 
     /// Whatever it has become: nobody held it.

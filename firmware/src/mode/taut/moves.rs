@@ -1,6 +1,6 @@
 //! A smooth move on a taut link, from a command.
 
-use super::{TautConfig, TautLink, second};
+use super::{Candidate, TautConfig, TautLink, second};
 use crate::mode::{Context, Refusal, denied, rejected};
 use crate::scalar::Scalar;
 use crate::signal::{Action, TautPurpose};
@@ -62,7 +62,7 @@ impl Wanted {
 }
 
 impl<S: Scalar> TautLink<S> {
-    /// Starts a move, if vehicle and link can follow it.
+    /// Takes up a move; whether vehicle and link can follow it is answered by [`Self::look`].
     pub(super) fn go(&mut self, action: &Action, cx: &Context<'_, S>) -> Result<(), Refusal> {
         let Wanted { elevation, force, pitch, duration } = Wanted::of(action, cx)?;
         let Some(taut) = &cx.config.modes.taut else {
@@ -75,7 +75,7 @@ impl<S: Scalar> TautLink<S> {
         if other.iter().any(Option::is_some) {
             return Err(denied("Move refused: not an output of this mode"));
         }
-        if !self.plan.is_done() {
+        if !self.plan.is_done() || self.candidate.is_some() {
             return Err(rejected("Move refused: the last move is still flown"));
         }
         let at = self.plan.now();
@@ -104,9 +104,28 @@ impl<S: Scalar> TautLink<S> {
         let plan = TautPlan::go(self.purpose, [from, to], [second_from, second_to], duration)
             .filter(|_| duration >= S::lit(SHORTEST) && duration <= S::lit(LONGEST))
             .ok_or(denied("Move refused: duration out of range"))?;
-        plan.check(&taut.bounds).map_err(denied)?;
-        self.plan = plan;
+        self.candidate = Some(Candidate { plan, checked: 0 });
         Ok(())
+    }
+
+    /// Looks at one more point of the move that was asked for; an answer after the last.
+    pub(super) fn look(&mut self, cx: &Context<'_, S>) -> Option<Result<(), Refusal>> {
+        let candidate = self.candidate.as_mut()?;
+        let Some(taut) = &cx.config.modes.taut else {
+            self.candidate = None;
+            return Some(Err(rejected("Move refused: not in a taut-link mode")));
+        };
+        if let Err(text) = candidate.plan.check(candidate.checked, &taut.bounds) {
+            self.candidate = None;
+            return Some(Err(denied(text)));
+        }
+        candidate.checked += 1;
+        if candidate.checked < TautPlan::<S>::CHECKS {
+            return None;
+        }
+        self.plan = candidate.plan;
+        self.candidate = None;
+        Some(Ok(()))
     }
 
     /// Time that keeps the cruise speed along the sphere and a gentle change of force.
