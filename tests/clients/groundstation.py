@@ -179,11 +179,11 @@ class GroundStation:
         self.wait_armed(False)
 
 
-def holding(sitl, tmp_path, scenario, altitude):
+def holding(sitl, tmp_path, scenario, altitude, *options):
     """The vehicle of a scenario without its mission, taken off and holding: here the ground station flies."""
     bare = tmp_path / scenario.name
     bare.write_text(scenario.read_text().split("[[mission]]")[0])
-    vehicle = sitl("--speedup", "8", "--scenario", bare, "--seed", "1")
+    vehicle = sitl("--speedup", "8", "--scenario", bare, "--seed", "1", *options)
     station = GroundStation(vehicle.program_port)
     station.wait_armable()
     station.arm()

@@ -12,7 +12,8 @@ SCENARIO = Path(__file__).resolve().parents[2] / "sitl" / "scenarios" / "angle.t
 
 
 def test_a_tether_angle_is_flown_by_commands(sitl, tmp_path):
-    vehicle, station = holding(sitl, tmp_path, SCENARIO, 4.2)
+    beside = ("--beside", "ekf3,ekf4,low-pass,error-state")
+    vehicle, station = holding(sitl, tmp_path, SCENARIO, 4.2, *beside)
     assert station.command(MAV.MAV_CMD_DO_SET_MODE, 1, 4, 14) == MAV.MAV_RESULT_ACCEPTED, station.texts
     station.wait_mode(TETHER_ANGLE)
     assert station.command(USER_MOVE_TETHER, 60, NAN, NAN, 8) == MAV.MAV_RESULT_DENIED
