@@ -115,12 +115,12 @@ fn in_mode_of(mode: Mode, seed: u64) -> Flight<Vec<u8>> {
 
 /// Breaks it and watches for so long, or until the motors stand.
 fn watch(flight: &mut Flight<Vec<u8>>, (kind, value): (FaultKind, f64), seconds: f64) {
-    let start = flight.step(&mut |_| {}).clone();
+    let start = *flight.step(&mut |_| {});
     let at = flight.world.now().0 as f64 * 1e-6;
     flight.world.environment.faults.add(FaultSection { kind, at, duration: None, value });
     let told = flight.events.len();
     let end = flight.world.time() + seconds;
-    let mut last = start.clone();
+    let mut last = start;
     let what = format!("{:?} with {kind:?}", start.mode);
     while flight.world.time() < end && last.is_armed {
         flight.step(&mut |_| {});
@@ -138,7 +138,7 @@ fn watch(flight: &mut Flight<Vec<u8>>, (kind, value): (FaultKind, f64), seconds:
                 last.mode.rule().completes.is_some() && out.mode == Mode::TetherHold;
             assert!(has_taken_off || out.failures != 0, "{what}: {:?} unasked", out.mode);
         }
-        last = out.clone();
+        last = *out;
     }
     let critical: Vec<_> = flight.events[told..]
         .iter()

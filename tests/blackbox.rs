@@ -107,7 +107,7 @@ impl Bench {
         let memory: &'static mut Memory<16_384> = Box::leak(Box::default());
         let (queue, writer) = memory.split(card.clone());
         let scale = ImuScale { gyro: 1.065e-3, accel: 4.788e-3, rate_hz: 1000.0 };
-        let out = Vehicle::<f32>::new(Params::default(), scale).step(&StepInput::default()).clone();
+        let out = *Vehicle::<f32>::new(Params::default(), scale).step(&StepInput::default());
         let comms = Comms::new(Params::default(), None);
         Self { comms, queue, writer, out, told: Vec::new() }
     }

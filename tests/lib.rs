@@ -30,7 +30,7 @@ pub fn until(
         flight.step(&mut |_| {});
         let out = flight.output();
         if ends(out) {
-            return out.clone();
+            return *out;
         }
         let told: Vec<_> =
             flight.events.iter().map(|(t, e)| format!("{t:.1} {}", e.text)).collect();
@@ -52,7 +52,7 @@ pub fn run(flight: &mut Flight<Vec<u8>>, seconds: f64) -> StepOutput {
     while flight.world.time() < end {
         flight.step(&mut |_| {});
     }
-    flight.output().clone()
+    *flight.output()
 }
 
 /// A mission that takes off to 5 m and then holds for a long time.

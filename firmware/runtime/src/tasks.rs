@@ -71,7 +71,7 @@ pub fn flight<SPI: SpiDevice, PWM: SetDutyCycle>(
     if out.reply.is_some() {
         params.lock(|params| *params = *flight.vehicle.params());
     }
-    if outputs.enqueue(out.clone()).is_err() {
+    if outputs.enqueue(*out).is_err() {
         pace.lost();
     }
 }

@@ -25,6 +25,7 @@ pub struct Biquad<S> {
     b2: S,
     a1: S,
     a2: S,
+    is_through: bool,
 }
 
 /// What moves in a [`Biquad`] (direct form II, transposed).
@@ -39,13 +40,13 @@ impl<S: Scalar> Biquad<S> {
     #[must_use]
     pub fn through() -> Self {
         let o = S::zero();
-        Self { b0: S::one(), b1: o, b2: o, a1: o, a2: o }
+        Self { b0: S::one(), b1: o, b2: o, a1: o, a2: o, is_through: true }
     }
 
     fn from_f32(b: [f32; 3], a: [f32; 3]) -> Self {
         let ([b0, b1, b2], [a0, a1, a2]) = (b, a);
         let k = |x: f32| S::from_f32(x / a0);
-        Self { b0: k(b0), b1: k(b1), b2: k(b2), a1: k(a1), a2: k(a2) }
+        Self { b0: k(b0), b1: k(b1), b2: k(b2), a1: k(a1), a2: k(a2), is_through: false }
     }
 
     /// Butterworth low-pass, bilinear with pre-warped cut-off. A cut-off of zero, or at or above
@@ -100,6 +101,10 @@ impl<S: Scalar> Biquad3State<S> {
     /// Filters one vector.
     #[inline]
     pub fn step(&mut self, filter: &Biquad<S>, v: V3<S>) -> V3<S> {
+        if filter.is_through {
+            self.axes = None;
+            return v;
+        }
         let [x, y, z] = self
             .axes
             .get_or_insert_with(|| [filter.settled(v.x), filter.settled(v.y), filter.settled(v.z)]);

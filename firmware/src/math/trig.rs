@@ -10,7 +10,8 @@ const TURN: f32 = 2.0 * core::f32::consts::PI;
 const QUARTER: [f32; 3] = [1.570_312_5, 4.837_513e-4, 7.549_79e-8];
 
 /// Sine and cosine, each within 1.2e-7 of the truth for angles of up to 4096 rad.
-#[inline]
+// A call costs a few instructions of forty, and fifteen kilobytes of copies went.
+#[inline(never)]
 #[must_use]
 pub fn sin_cos(x: f32) -> (f32, f32) {
     let x = if x.abs() > FAR { libm::fmodf(x, TURN) } else { x };

@@ -68,6 +68,7 @@ impl Mounting {
 
     /// Counts in body axes. Wider than the sensor's, since -(-32768) needs the room.
     #[must_use]
+    #[inline]
     pub fn to_body(self, counts: [i16; 3]) -> [i32; 3] {
         let [x, y, z] = counts.map(i32::from);
         self.0.map(|[a, b, c]| a * x + b * y + c * z)

@@ -31,7 +31,7 @@ pub struct StepInput {
 }
 
 /// Everything that one step has to say, in single precision whatever the vehicle computes with.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StepOutput {
     /// Now.
     pub now: Micros,
