@@ -146,7 +146,7 @@ fn log_path(folder: &Path) -> Result<PathBuf, Failure> {
 }
 
 /// Take off to 5 m, hold a minute, move 20° round, land.
-fn standard_mission() -> Vec<Step> {
+pub(super) fn standard_mission() -> Vec<Step> {
     let azimuth = Some(20_f64.to_radians());
     vec![
         Step::Arm,

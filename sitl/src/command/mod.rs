@@ -13,6 +13,7 @@ mod emulate;
 mod experiment;
 mod fly;
 mod plot;
+mod speed;
 mod status;
 mod sysid;
 
@@ -55,6 +56,8 @@ enum Command {
     Experiment(experiment::Options),
     /// Identify thrust from PWM.
     Sysid(sysid::Options),
+    /// Measure what simulated time costs.
+    Speed(speed::Options),
     /// Draw a log.
     Plot(plot::Options),
     /// Print all parameters in QGroundControl's file format.
@@ -84,6 +87,7 @@ pub fn run() -> ExitCode {
         Some(Command::Emulate(options)) => emulate::run(&options),
         Some(Command::Experiment(options)) => experiment::run(&options),
         Some(Command::Sysid(options)) => sysid::run(&options),
+        Some(Command::Speed(options)) => speed::run(&options),
         Some(Command::Plot(options)) => plot::run(&options),
         Some(Command::Params) => {
             say!(
