@@ -17,7 +17,9 @@ const IDLE: f64 = 0.005;
 #[derive(Debug)]
 pub struct FakeEsc {
     clock: FakeClock,
-    protocol: Protocol,
+    /// Pulse that stops the motor, and what is added for full throttle, in counts of duty.
+    stop: f64,
+    span: f64,
     throttle: f64,
     written_at: u64,
     zero_since: Option<u64>,
@@ -28,7 +30,20 @@ impl FakeEsc {
     /// Just powered up, not armed.
     #[must_use]
     pub fn new(clock: FakeClock, protocol: Protocol) -> Self {
-        Self { clock, protocol, throttle: 0.0, written_at: 0, zero_since: None, is_armed: false }
+        let counts = |throttle: f32| {
+            let share = protocol.pulse_us(throttle) / protocol.period_us();
+            f64::from(share) * f64::from(MAX_DUTY)
+        };
+        let (stop, full) = (counts(0.0), counts(1.0));
+        Self {
+            clock,
+            stop,
+            span: full - stop,
+            throttle: 0.0,
+            written_at: 0,
+            zero_since: None,
+            is_armed: false,
+        }
     }
 
     /// Throttle that reaches the motor, 0..1.
@@ -61,11 +76,8 @@ impl SetDutyCycle for FakeEsc {
             self.zero_since = None;
         }
         self.written_at = now;
-        let period = f64::from(self.protocol.period_us());
-        let pulse = f64::from(duty.min(MAX_DUTY)) / f64::from(MAX_DUTY) * period;
-        let (stop, full) =
-            (f64::from(self.protocol.pulse_us(0.0)), f64::from(self.protocol.pulse_us(1.0)));
-        self.throttle = ((pulse - stop) / (full - stop)).clamp(0.0, 1.0);
+        let pulse = f64::from(duty.min(MAX_DUTY));
+        self.throttle = ((pulse - self.stop) / self.span).clamp(0.0, 1.0);
         if self.throttle < IDLE {
             self.throttle = 0.0;
             let since = *self.zero_since.get_or_insert(now);
