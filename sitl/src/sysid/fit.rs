@@ -2,11 +2,10 @@
 //! prediction errors.
 
 use super::arx::{arx, least_squares};
+use super::minimize::{Problem, minimize};
 use super::polynomial::Polynomial;
 use super::prepare::{RATE, Signals};
-use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt};
 use nalgebra::{DMatrix, DVector};
-use nalgebra_lm::{DMatrix as Jacobian, DVector as Vector, Dyn, Owned};
 
 /// Poles tried as starts where there is no better one; the specification's, and no more on purpose. Ten starts
 /// of a transfer function on eight cuts of the record (`tests/golden/sysid.csv`) end where these two do, or lower
@@ -14,6 +13,8 @@ use nalgebra_lm::{DMatrix as Jacobian, DVector as Vector, Dyn, Owned};
 const START_POLES: [f64; 2] = [0.7, 0.9];
 /// Relative step of the differences.
 const STEP: f64 = 1e-6;
+/// Evaluations per unknown before a start is left where it is.
+const PATIENCE: usize = 30;
 
 /// Which polynomials are free.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -68,14 +69,13 @@ impl Form {
     }
 }
 
-struct Problem<'a> {
+struct PredictionErrors<'a> {
     form: Form,
     data: &'a Signals,
-    theta: Vec<f64>,
 }
 
-impl Problem<'_> {
-    fn errors(&self, theta: &[f64]) -> Vec<f64> {
+impl PredictionErrors<'_> {
+    fn at(&self, theta: &[f64]) -> Vec<f64> {
         let model = self.form.model(theta, self.data.inputs.len());
         if model.predicts_stably() {
             model.residuals(self.data)
@@ -86,37 +86,25 @@ impl Problem<'_> {
     }
 }
 
-impl LeastSquaresProblem<f64, Dyn, Dyn> for Problem<'_> {
-    type ResidualStorage = Owned<f64, Dyn>;
-    type JacobianStorage = Owned<f64, Dyn, Dyn>;
-    type ParameterStorage = Owned<f64, Dyn>;
-
-    fn set_params(&mut self, x: &Vector<f64>) {
-        self.theta = x.iter().copied().collect();
+impl Problem for PredictionErrors<'_> {
+    fn residuals(&self, theta: &DVector<f64>) -> DVector<f64> {
+        DVector::from_vec(self.at(theta.as_slice()))
     }
 
-    fn params(&self) -> Vector<f64> {
-        Vector::from_vec(self.theta.clone())
-    }
-
-    fn residuals(&self) -> Option<Vector<f64>> {
-        Some(Vector::from_vec(self.errors(&self.theta)))
-    }
-
-    fn jacobian(&self) -> Option<Jacobian<f64>> {
-        let mut jacobian = Jacobian::zeros(self.data.len(), self.theta.len());
-        for (i, x) in self.theta.iter().enumerate() {
+    fn jacobian(&self, theta: &DVector<f64>) -> DMatrix<f64> {
+        let mut jacobian = DMatrix::zeros(self.data.len(), theta.len());
+        for (i, x) in theta.iter().enumerate() {
             let step = STEP * x.abs().max(1e-2);
             let at = |x: f64| {
-                let mut theta = self.theta.clone();
+                let mut theta = theta.as_slice().to_vec();
                 theta[i] = x;
-                self.errors(&theta)
+                self.at(&theta)
             };
             for (row, (high, low)) in at(x + step).into_iter().zip(at(x - step)).enumerate() {
                 jacobian[(row, i)] = (high - low) / (2.0 * step);
             }
         }
-        Some(jacobian)
+        jacobian
     }
 }
 
@@ -161,10 +149,9 @@ pub fn fit(form: Form, data: &Signals) -> Result<Polynomial, String> {
     let inputs = data.inputs.len();
     let mut best: Option<(f64, Polynomial)> = None;
     for theta in starts(form, data)? {
-        let problem = Problem { form, data, theta };
-        let (found, report) = LevenbergMarquardt::new().with_patience(30).minimize(problem);
-        let model = form.model(&found.theta, inputs);
-        let cost = report.objective_function;
+        let errors = PredictionErrors { form, data };
+        let (theta, cost) = minimize(&errors, DVector::from_vec(theta), PATIENCE);
+        let model = form.model(theta.as_slice(), inputs);
         let is_better = best.as_ref().is_none_or(|(least, _)| cost < *least);
         if cost.is_finite() && is_better && model.predicts_stably() {
             best = Some((cost, model));

@@ -7,6 +7,7 @@ mod draw;
 mod fit;
 mod identify;
 mod log;
+mod minimize;
 mod polynomial;
 mod prepare;
 mod record;
