@@ -6,7 +6,7 @@
 //! clients send. Time stamps of the sender are not used; its clock is not ours. A sample counts from its
 //! arrival, less the parameter CAP_DELAY.
 
-use super::Connection;
+use super::Session;
 use super::frame::Frame;
 use crate::signal::{RawCapture, RawTether};
 use crate::time::{Micros, Sample};
@@ -36,7 +36,7 @@ fn four(frame: &Frame, at: usize) -> [f32; 4] {
     [frame.float(at), frame.float(at + 4), frame.float(at + 8), frame.float(at + 12)]
 }
 
-impl Connection {
+impl Session {
     pub(super) fn odometry(&mut self, now: Micros, frame: &Frame) {
         // frame_id stands behind eighteen floats and two covariances of 21.
         if !matches!(frame.byte(228), LOCAL_NED | LOCAL_FRD) {

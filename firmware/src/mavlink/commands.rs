@@ -7,7 +7,7 @@
 #![allow(deprecated)]
 
 use super::frame::Frame;
-use super::{Connection, Sink, global};
+use super::{Session, Sink, global};
 use crate::param::Params;
 use crate::signal::{Action, Request, Ticket};
 use crate::supervisor::Mode;
@@ -179,7 +179,7 @@ fn mode_request(custom_mode: u32) -> Meaning {
     }
 }
 
-impl Connection {
+impl Session {
     pub(super) fn command_long(&mut self, frame: &Frame, params: &Params, sink: Sink) {
         self.command(&Command::from_long(frame), params, sink);
     }

@@ -1,39 +1,37 @@
 //! Frames: finding them in a stream of bytes, and making them.
 //!
-//! The crate's reader wants a blocking source; here bytes are pushed. A candidate that fails is
+//! The crate's reader wants a blocking source; here bytes are pushed, in chunks of any size. A frame that is
+//! whole in a chunk is read where it stands; one that is cut is gathered first. A candidate that fails is
 //! searched again from its second byte, so garbage never hides a frame that follows it. MAVLink 1
 //! frames are understood too: many scripts speak it until they receive version 2.
 
+use super::checksum::checksum;
 use mavlink::dialects::common::MavMessage;
-use mavlink::{MAV_STX, MAV_STX_V2, Message, calculate_crc};
+use mavlink::{MAV_STX, MAV_STX_V2, Message};
 
 /// Longest frame, version 2 with signature.
 pub const MAX_FRAME: usize = 280;
 const SIGNED: u8 = 0x01;
+const SIGNATURE: usize = 13;
 
-/// A valid frame.
+/// A valid frame; it lives where its bytes do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Frame {
+pub struct Frame<'a> {
     /// Message id.
     pub id: u32,
     /// Sender.
     pub system: u8,
     /// Sender's component.
     pub component: u8,
-    length: u8,
-    payload: [u8; 255],
+    /// As sent: version 2 cuts trailing zeros.
+    pub payload: &'a [u8],
 }
 
-impl Frame {
-    /// As sent: version 2 cuts trailing zeros.
-    #[must_use]
-    pub fn payload(&self) -> &[u8] {
-        self.payload.get(..usize::from(self.length)).unwrap_or(&[])
-    }
+impl Frame<'_> {
     /// One byte of the payload, zero where it was cut.
     #[must_use]
     pub fn byte(&self, at: usize) -> u8 {
-        self.payload().get(at).copied().unwrap_or(0)
+        self.payload.get(at).copied().unwrap_or(0)
     }
     /// Four bytes of the payload as a float.
     #[must_use]
@@ -52,150 +50,145 @@ impl Frame {
     }
 }
 
-/// What a scan of the buffer found.
-#[expect(clippy::large_enum_variant, reason = "lives on the stack for one call")]
-enum Scan {
-    /// Wait for more bytes.
-    More,
-    /// The first byte begins no valid frame.
+/// What begins at the first byte.
+enum Scan<'a> {
+    /// Not to be told before so many bytes are there.
+    More(usize),
+    /// No valid frame.
     No { is_frame: bool },
     /// A frame of so many bytes.
-    Yes(Frame, usize),
+    Yes(Frame<'a>, usize),
 }
 
-/// Push parser.
-#[derive(Clone, Debug)]
-pub struct Parser {
-    buffer: heapless::Vec<u8, MAX_FRAME>,
-    /// Bytes that belong to no valid frame.
+/// What belongs to no valid frame.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Losses {
+    /// Bytes outside of valid frames.
     pub garbage_bytes: u32,
     /// Whole frames whose checksum or id is wrong.
     pub bad_frames: u32,
 }
 
-impl Default for Parser {
-    fn default() -> Self {
-        Self::new()
-    }
+/// Push parser.
+#[derive(Clone, Debug, Default)]
+pub struct Parser {
+    /// The cut beginning of a frame, undecided.
+    buffer: heapless::Vec<u8, MAX_FRAME>,
+    losses: Losses,
 }
 
 impl Parser {
     /// Empty.
     #[must_use]
     pub const fn new() -> Self {
-        Self { buffer: heapless::Vec::new(), garbage_bytes: 0, bad_frames: 0 }
+        Self { buffer: heapless::Vec::new(), losses: Losses { garbage_bytes: 0, bad_frames: 0 } }
     }
 
-    /// Takes one byte; a frame if it completed one. Call [`Self::pending`] until it is empty.
-    pub fn push(&mut self, byte: u8) -> Option<Frame> {
-        // Cannot overflow: a full buffer always holds a decidable candidate, and was decided.
-        if self.buffer.push(byte).is_err() {
-            self.buffer.clear();
+    /// What was dropped so far.
+    #[must_use]
+    pub fn losses(&self) -> Losses {
+        self.losses
+    }
+
+    /// Takes bytes in chunks of any size; `each` gets every frame that they complete.
+    pub fn push(&mut self, bytes: &[u8], mut each: impl FnMut(&Frame)) {
+        let mut bytes = bytes;
+        while let Scan::More(wanted) = scan(&self.buffer) {
+            let missing = wanted.saturating_sub(self.buffer.len());
+            let Some((taken, rest)) = bytes.split_at_checked(missing) else {
+                // Fits: what is wanted is no longer than the longest frame.
+                let _ = self.buffer.extend_from_slice(bytes);
+                return;
+            };
+            let _ = self.buffer.extend_from_slice(taken);
+            bytes = rest;
+            let used = read(&self.buffer, &mut self.losses, &mut each);
+            self.drop_front(used);
         }
-        self.pending()
+        let used = read(bytes, &mut self.losses, &mut each);
+        let _ = self.buffer.extend_from_slice(bytes.get(used..).unwrap_or(&[]));
     }
 
     /// Ends a datagram: no frame spans two, so what is left is garbage, unless a whole frame hides in it.
-    pub fn flush(&mut self) -> Option<Frame> {
-        while !self.buffer.is_empty() {
-            self.garbage_bytes = self.garbage_bytes.wrapping_add(1);
-            self.buffer.rotate_left(1);
-            self.buffer.pop();
-            if let Some(frame) = self.pending() {
-                return Some(frame);
-            }
+    pub fn flush(&mut self, mut each: impl FnMut(&Frame)) {
+        let mut left = self.buffer.as_slice();
+        while let [_, rest @ ..] = left {
+            self.losses.garbage_bytes = self.losses.garbage_bytes.wrapping_add(1);
+            let used = read(rest, &mut self.losses, &mut each);
+            left = rest.get(used..).unwrap_or(&[]);
         }
-        None
+        self.buffer.clear();
     }
 
-    /// A further frame from what is already buffered.
-    pub fn pending(&mut self) -> Option<Frame> {
-        let mut skip = 0;
-        let found = loop {
-            let rest = self.buffer.get(skip..).unwrap_or(&[]);
-            if rest.is_empty() {
-                break None;
-            }
-            match scan(rest) {
-                Scan::More => break None,
-                Scan::Yes(frame, used) => {
-                    skip += used;
-                    break Some(frame);
-                }
-                Scan::No { is_frame } => {
-                    skip += 1;
-                    self.garbage_bytes = self.garbage_bytes.wrapping_add(1);
-                    self.bad_frames = self.bad_frames.wrapping_add(u32::from(is_frame));
-                }
-            }
-        };
-        if skip > 0 {
-            let kept = self.buffer.len().saturating_sub(skip);
-            let by = skip.min(self.buffer.len());
-            self.buffer.rotate_left(by);
-            self.buffer.truncate(kept);
+    fn drop_front(&mut self, count: usize) {
+        let left = self.buffer.len().saturating_sub(count);
+        if left > 0 {
+            self.buffer.copy_within(count.., 0);
         }
-        found
+        self.buffer.truncate(left);
     }
 }
 
-fn scan(bytes: &[u8]) -> Scan {
-    match bytes {
-        [MAV_STX_V2] => Scan::More,
-        [MAV_STX_V2, length, rest @ ..] => {
-            let flags = rest.first().copied();
-            if flags.is_some_and(|flags| flags & !SIGNED != 0) {
-                return Scan::No { is_frame: false };
+/// Gives every frame to `each`; how many bytes are decided.
+fn read(bytes: &[u8], losses: &mut Losses, each: &mut impl FnMut(&Frame)) -> usize {
+    let mut left = bytes;
+    while !left.is_empty() {
+        let used = match scan(left) {
+            Scan::More(_) => break,
+            Scan::Yes(frame, length) => {
+                each(&frame);
+                length
             }
-            let signature = if flags == Some(SIGNED) { 13 } else { 0 };
-            whole(bytes, 10, usize::from(*length), signature, |h| {
-                let [_, _, _, _, _, system, component, a, b, c] = h else {
-                    return None;
-                };
-                Some((u32::from_le_bytes([*a, *b, *c, 0]), *system, *component))
-            })
-        }
-        [MAV_STX] => Scan::More,
-        [MAV_STX, length, ..] => whole(bytes, 6, usize::from(*length), 0, |h| {
-            let [_, _, _, system, component, id] = h else {
-                return None;
+            Scan::No { is_frame } => {
+                losses.garbage_bytes = losses.garbage_bytes.wrapping_add(1);
+                losses.bad_frames = losses.bad_frames.wrapping_add(u32::from(is_frame));
+                1
+            }
+        };
+        left = left.get(used..).unwrap_or(&[]);
+    }
+    bytes.len() - left.len()
+}
+
+fn scan(bytes: &[u8]) -> Scan<'_> {
+    match *bytes {
+        [MAV_STX_V2, _, flags, ..] if flags & !SIGNED != 0 => Scan::No { is_frame: false },
+        [MAV_STX_V2, length, flags, ..] => {
+            let end = 10 + usize::from(length);
+            let total = end + 2 + if flags == SIGNED { SIGNATURE } else { 0 };
+            let Some([_, _, _, _, _, system, component, a, b, c, payload @ ..]) = bytes.get(..end)
+            else {
+                return Scan::More(total);
             };
-            Some((u32::from(*id), *system, *component))
-        }),
+            let id = u32::from_le_bytes([*a, *b, *c, 0]);
+            let frame = Frame { id, system: *system, component: *component, payload };
+            whole(bytes, frame, end, total)
+        }
+        [MAV_STX, length, ..] => {
+            let end = 6 + usize::from(length);
+            let Some([_, _, _, system, component, id, payload @ ..]) = bytes.get(..end) else {
+                return Scan::More(end + 2);
+            };
+            let id = u32::from(*id);
+            let frame = Frame { id, system: *system, component: *component, payload };
+            whole(bytes, frame, end, end + 2)
+        }
+        [MAV_STX_V2, ..] => Scan::More(3),
+        [MAV_STX] => Scan::More(2),
         _ => Scan::No { is_frame: false },
     }
 }
 
-fn whole(
-    bytes: &[u8],
-    header: usize,
-    length: usize,
-    signature: usize,
-    fields: impl Fn(&[u8]) -> Option<(u32, u8, u8)>,
-) -> Scan {
-    let end = header + length;
-    let total = end + 2 + signature;
-    let (Some(head), Some(body), Some([low, high])) =
-        (bytes.get(..header), bytes.get(header..end), bytes.get(end..end + 2))
-    else {
-        return Scan::More;
+/// A frame whose checksum begins at `end`, if all of it is there and the checksum is right.
+fn whole<'a>(bytes: &'a [u8], frame: Frame<'a>, end: usize, total: usize) -> Scan<'a> {
+    let (Some(covered), Some([low, high, ..])) = (bytes.get(1..end), bytes.get(end..total)) else {
+        return Scan::More(total);
     };
-    if bytes.len() < total {
-        return Scan::More;
+    if checksum(covered, MavMessage::extra_crc(frame.id)) == u16::from_le_bytes([*low, *high]) {
+        Scan::Yes(frame, total)
+    } else {
+        Scan::No { is_frame: true }
     }
-    let Some((id, system, component)) = fields(head) else {
-        return Scan::No { is_frame: false };
-    };
-    let covered = bytes.get(1..end).unwrap_or(&[]);
-    let crc = calculate_crc(covered, MavMessage::extra_crc(id));
-    if crc != u16::from_le_bytes([*low, *high]) {
-        return Scan::No { is_frame: true };
-    }
-    let mut payload = [0; 255];
-    for (to, from) in payload.iter_mut().zip(body) {
-        *to = *from;
-    }
-    Scan::Yes(Frame { id, system, component, length: length as u8, payload }, total)
 }
 
 /// Sender and number of a frame.
@@ -222,7 +215,7 @@ pub fn encode<'a>(
     for (to, from) in out.iter_mut().zip(head.iter().chain(payload)) {
         *to = *from;
     }
-    let crc = calculate_crc(out.get(1..end)?, extra_crc).to_le_bytes();
+    let crc = checksum(out.get(1..end)?, extra_crc).to_le_bytes();
     out.get_mut(end..end + 2)?.copy_from_slice(&crc);
     out.get(..end + 2)
 }
@@ -256,15 +249,13 @@ mod tests {
         let mut parser = Parser::new();
         let mut count = 0;
         for byte in stream {
-            let mut next = parser.push(byte);
-            while let Some(frame) = next {
+            parser.push(&[byte], |frame| {
                 assert_eq!((frame.id, frame.system, frame.byte(4)), (0, 255, 6));
                 count += 1;
-                next = parser.pending();
-            }
+            });
         }
         assert_eq!(count, 50);
-        assert!(parser.garbage_bytes > 1000);
+        assert!(parser.losses().garbage_bytes > 1000);
     }
 
     #[test]
@@ -274,8 +265,101 @@ mod tests {
             let mut bad = good.clone();
             bad[bit / 8] ^= 1 << (bit % 8);
             let mut parser = Parser::new();
-            let got: Vec<_> = bad.iter().filter_map(|&b| parser.push(b)).collect();
-            assert!(got.is_empty(), "bit {bit}");
+            parser.push(&bad, |_| panic!("bit {bit}"));
         }
+    }
+
+    /// What a frame says, with its bytes.
+    type Owned = (u32, u8, u8, Vec<u8>);
+
+    /// Frames and losses of datagrams, each cut into chunks.
+    fn parse(datagrams: &[Vec<u8>], mut chunk: impl FnMut() -> usize) -> (Vec<Owned>, Vec<Losses>) {
+        let (mut parser, mut frames, mut losses) = (Parser::new(), Vec::new(), Vec::new());
+        for datagram in datagrams {
+            let mut own = |frame: &Frame| {
+                frames.push((frame.id, frame.system, frame.component, frame.payload.to_vec()));
+            };
+            let mut rest = datagram.as_slice();
+            while !rest.is_empty() {
+                let (now, later) = rest.split_at(chunk().clamp(1, rest.len()));
+                parser.push(now, &mut own);
+                rest = later;
+            }
+            losses.push(parser.losses());
+            // Every other one is a serial port's: its end says nothing.
+            if losses.len().is_multiple_of(2) {
+                parser.flush(&mut own);
+            }
+            losses.push(parser.losses());
+        }
+        (frames, losses)
+    }
+
+    /// Frames of both versions, signed, cut, flipped, inside of each other, and bytes that promise one.
+    fn stream(random: &mut impl FnMut() -> usize) -> Vec<u8> {
+        let mut out = Vec::new();
+        for _ in 0..1 + random() % 12 {
+            let mut part = match random() % 6 {
+                0 => heartbeat(random() as u8),
+                1 => {
+                    let mut frame = heartbeat(3);
+                    frame[2] = SIGNED;
+                    let end = frame.len() - 2;
+                    let crc = checksum(&frame[1..end], 50).to_le_bytes();
+                    frame[end..].copy_from_slice(&crc);
+                    frame.extend((0..SIGNATURE).map(|_| random() as u8));
+                    frame
+                }
+                2 => {
+                    let mut frame =
+                        std::vec![MAV_STX, 9, 7, 255, 190, 0, 0, 0, 0, 0, 6, 8, 0, 4, 3];
+                    let crc = checksum(&frame[1..], 50).to_le_bytes();
+                    frame.extend(crc);
+                    frame
+                }
+                // A frame in the payload of one that fails.
+                3 => {
+                    let mut frame = std::vec![MAV_STX_V2, 40, 0, 0, 0, 1, 1, 30, 0, 0];
+                    frame.extend(heartbeat(9));
+                    frame.resize(52, random() as u8);
+                    frame
+                }
+                4 => (0..random() % 40).map(|_| random() as u8).collect(),
+                _ => (0..random() % 40)
+                    .map(|_| [MAV_STX, MAV_STX_V2, 0, 1, 255][random() % 5])
+                    .collect(),
+            };
+            if random().is_multiple_of(4) && !part.is_empty() {
+                part.truncate(random() % part.len());
+            }
+            if random().is_multiple_of(6) && !part.is_empty() {
+                let at = random() % part.len();
+                part[at] ^= 1 << (random() % 8);
+            }
+            out.extend(part);
+        }
+        out
+    }
+
+    #[test]
+    fn any_chunking_gives_what_single_bytes_give() {
+        let mut seed = 1_u64;
+        let mut random = move || {
+            seed = seed
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
+            (seed >> 33) as usize
+        };
+        let mut count = 0;
+        for _ in 0..3000 {
+            let datagrams: Vec<_> = (0..1 + random() % 4).map(|_| stream(&mut random)).collect();
+            let single = parse(&datagrams, || 1);
+            for most in [2, 13, 64, 300, usize::MAX] {
+                assert_eq!(parse(&datagrams, || 1 + random() % most), single, "{datagrams:?}");
+            }
+            assert_eq!(parse(&datagrams, || usize::MAX), single, "{datagrams:?}");
+            count += single.0.len();
+        }
+        assert!(count > 10_000, "{count}");
     }
 }

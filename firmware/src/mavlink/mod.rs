@@ -9,6 +9,7 @@
 //! step's input, [`Connection::transmit`] with the step's output.
 
 mod capture;
+mod checksum;
 mod commands;
 mod frame;
 mod global;
@@ -17,11 +18,11 @@ mod receive;
 mod schedule;
 mod telemetry;
 
-pub use frame::{Frame, MAX_FRAME, Parser};
+pub use frame::{Frame, Losses, MAX_FRAME, Parser};
 
 use crate::param::Params;
 use crate::sense::RawSensors;
-use crate::signal::{Event, Outcome, Reply, Request, Sticks};
+use crate::signal::{Event, Outcome, Reply, Request, Severity, Sticks};
 use crate::time::{Micros, Sample};
 use crate::vehicle::StepOutput;
 use heapless::Deque;
@@ -61,9 +62,15 @@ pub struct ConnectionCounters {
 }
 
 /// One MAVLink connection.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub struct Connection {
     parser: Parser,
+    session: Session,
+}
+
+/// A connection but for the frames that come in, which borrow the parser while they are handled.
+#[derive(Debug)]
+struct Session {
     system: u8,
     sequence: u8,
     counters: ConnectionCounters,
@@ -82,18 +89,70 @@ pub struct Connection {
     once: Deque<(u32, u16), 16>,
 }
 
-impl Default for Connection {
-    fn default() -> Self {
-        Self::new()
-    }
-}
-
 impl Connection {
     /// Nothing received yet.
     #[must_use]
     pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Takes bytes in chunks of any size. Answers that need nothing from the vehicle go to `sink` at once.
+    pub fn receive(&mut self, now: Micros, bytes: &[u8], params: &Params, sink: Sink) {
+        let Self { parser, session } = self;
+        session.system = params.system_id as u8;
+        parser.push(bytes, |frame| session.handle(now, frame, params, sink));
+    }
+
+    /// Takes one whole datagram.
+    pub fn receive_datagram(&mut self, now: Micros, bytes: &[u8], params: &Params, sink: Sink) {
+        self.receive(now, bytes, params, sink);
+        let Self { parser, session } = self;
+        parser.flush(|frame| session.handle(now, frame, params, sink));
+    }
+
+    /// The next request for the vehicle.
+    pub fn next_request(&mut self) -> Option<Request> {
+        self.session.requests.pop_front()
+    }
+
+    /// When a ground station last spoke.
+    #[must_use]
+    pub fn heartbeat_at(&self) -> Option<Micros> {
+        self.session.heartbeat_at
+    }
+
+    /// The last joystick message.
+    #[must_use]
+    pub fn sticks(&self) -> Option<Sample<Sticks>> {
+        self.session.sticks
+    }
+
+    /// What others measured and told, once.
+    pub fn take_sensors(&mut self) -> RawSensors {
+        core::mem::take(&mut self.session.sensors)
+    }
+
+    /// What was received and dropped.
+    #[must_use]
+    pub fn counters(&self) -> ConnectionCounters {
+        let Losses { garbage_bytes, bad_frames } = self.parser.losses();
+        ConnectionCounters { garbage_bytes, bad_frames, ..self.session.counters }
+    }
+
+    /// Answers, events and whatever telemetry is due.
+    pub fn transmit(&mut self, out: &StepOutput, params: &Params, sink: Sink) {
+        self.session.transmit(out, params, sink);
+    }
+
+    /// A STATUSTEXT; what is beyond 50 bytes is cut.
+    pub fn say(&mut self, severity: Severity, text: &str, sink: Sink) {
+        self.session.say(severity, text, sink);
+    }
+}
+
+impl Default for Session {
+    fn default() -> Self {
         Self {
-            parser: Parser::new(),
             system: 1,
             sequence: 0,
             counters: ConnectionCounters::default(),
@@ -108,60 +167,10 @@ impl Connection {
             once: Deque::new(),
         }
     }
+}
 
-    /// Takes bytes in chunks of any size. Answers that need nothing from the vehicle go to `sink` at once.
-    pub fn receive(&mut self, now: Micros, bytes: &[u8], params: &Params, sink: Sink) {
-        self.system = params.system_id as u8;
-        for &byte in bytes {
-            let mut next = self.parser.push(byte);
-            while let Some(frame) = next {
-                self.handle(now, &frame, params, sink);
-                next = self.parser.pending();
-            }
-        }
-        self.counters.garbage_bytes = self.parser.garbage_bytes;
-        self.counters.bad_frames = self.parser.bad_frames;
-    }
-
-    /// Takes one whole datagram.
-    pub fn receive_datagram(&mut self, now: Micros, bytes: &[u8], params: &Params, sink: Sink) {
-        self.receive(now, bytes, params, sink);
-        while let Some(frame) = self.parser.flush() {
-            self.handle(now, &frame, params, sink);
-        }
-        self.counters.garbage_bytes = self.parser.garbage_bytes;
-    }
-
-    /// The next request for the vehicle.
-    pub fn next_request(&mut self) -> Option<Request> {
-        self.requests.pop_front()
-    }
-
-    /// When a ground station last spoke.
-    #[must_use]
-    pub fn heartbeat_at(&self) -> Option<Micros> {
-        self.heartbeat_at
-    }
-
-    /// The last joystick message.
-    #[must_use]
-    pub fn sticks(&self) -> Option<Sample<Sticks>> {
-        self.sticks
-    }
-
-    /// What others measured and told, once.
-    pub fn take_sensors(&mut self) -> RawSensors {
-        core::mem::take(&mut self.sensors)
-    }
-
-    /// What was received and dropped.
-    #[must_use]
-    pub fn counters(&self) -> ConnectionCounters {
-        self.counters
-    }
-
-    /// Answers, events and whatever telemetry is due.
-    pub fn transmit(&mut self, out: &StepOutput, params: &Params, sink: Sink) {
+impl Session {
+    fn transmit(&mut self, out: &StepOutput, params: &Params, sink: Sink) {
         self.system = params.system_id as u8;
         for event in out.events.iter() {
             if self.events.is_full() {

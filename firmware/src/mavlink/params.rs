@@ -1,6 +1,6 @@
 //! Parameter service: list, read, set. The table is `param::META`.
 
-use super::{Connection, Sink, speaks_px4};
+use super::{Session, Sink, speaks_px4};
 use crate::param::{Kind, META, Params};
 use crate::signal::{Action, Request, Ticket};
 use crate::time::Micros;
@@ -15,7 +15,7 @@ pub fn name_bytes(id: &[u8; 16]) -> &[u8] {
     id.split(|&b| b == 0).next().unwrap_or(&[])
 }
 
-impl Connection {
+impl Session {
     pub(super) fn list_parameters(&mut self) {
         self.listing = Some(0);
     }

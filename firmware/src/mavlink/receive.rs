@@ -5,7 +5,7 @@
 
 use super::frame::Frame;
 use super::params::name_bytes;
-use super::{COMPONENT_AUTOPILOT, Connection, Sink};
+use super::{COMPONENT_AUTOPILOT, Session, Sink};
 use crate::param::Params;
 use crate::signal::{Action, Request, Sticks, Ticket};
 use crate::time::{Micros, Sample};
@@ -22,7 +22,7 @@ const FTP_ACK: u8 = 128;
 const FTP_NAK: u8 = 129;
 const FTP_FILE_NOT_FOUND: u8 = 10;
 
-impl Connection {
+impl Session {
     pub(super) fn handle(&mut self, now: Micros, frame: &Frame, params: &Params, sink: Sink) {
         if frame.system == self.system && frame.component == COMPONENT_AUTOPILOT {
             return;
@@ -47,17 +47,12 @@ impl Connection {
             mav::SET_MODE_DATA::ID => self.set_mode(frame.int(0) as u32),
             mav::PARAM_REQUEST_LIST_DATA::ID => self.list_parameters(),
             mav::PARAM_REQUEST_READ_DATA::ID => {
-                self.decode(frame, |connection, m: &mav::PARAM_REQUEST_READ_DATA| {
-                    connection.read_parameter(m.param_index, name_bytes(&m.param_id));
+                self.decode(frame, |session, m: &mav::PARAM_REQUEST_READ_DATA| {
+                    session.read_parameter(m.param_index, name_bytes(&m.param_id));
                 })
             }
-            mav::PARAM_SET_DATA::ID => self.decode(frame, |connection, m: &mav::PARAM_SET_DATA| {
-                connection.set_parameter(
-                    name_bytes(&m.param_id),
-                    m.param_value,
-                    m.param_type,
-                    params,
-                );
+            mav::PARAM_SET_DATA::ID => self.decode(frame, |session, m: &mav::PARAM_SET_DATA| {
+                session.set_parameter(name_bytes(&m.param_id), m.param_value, m.param_type, params);
             }),
             mav::MISSION_REQUEST_LIST_DATA::ID => {
                 let empty = mav::MISSION_COUNT_DATA {
@@ -74,8 +69,8 @@ impl Connection {
                 self.mission_ack(frame, mav::MavMissionResult::MAV_MISSION_ACCEPTED, sink);
             }
             mav::MANUAL_CONTROL_DATA::ID => {
-                self.decode(frame, |connection, m: &mav::MANUAL_CONTROL_DATA| {
-                    connection.manual_control(now, m)
+                self.decode(frame, |session, m: &mav::MANUAL_CONTROL_DATA| {
+                    session.manual_control(now, m)
                 });
             }
             mav::SET_POSITION_TARGET_LOCAL_NED_DATA::ID => self.position_target(frame),
@@ -84,21 +79,21 @@ impl Connection {
             mav::ATT_POS_MOCAP_DATA::ID => self.pose(now, frame),
             mav::DEBUG_VECT_DATA::ID => self.named_vector(now, frame),
             mav::WINCH_STATUS_DATA::ID => self.winch_status(now, frame),
-            mav::PING_DATA::ID => self.decode(frame, |connection, m: &mav::PING_DATA| {
+            mav::PING_DATA::ID => self.decode(frame, |session, m: &mav::PING_DATA| {
                 if m.target_system == 0 {
                     let pong = mav::PING_DATA {
                         target_system: frame.system,
                         target_component: frame.component,
                         ..m.clone()
                     };
-                    connection.send(&pong, sink);
+                    session.send(&pong, sink);
                 }
             }),
-            mav::TIMESYNC_DATA::ID => self.decode(frame, |connection, m: &mav::TIMESYNC_DATA| {
+            mav::TIMESYNC_DATA::ID => self.decode(frame, |session, m: &mav::TIMESYNC_DATA| {
                 if m.tc1 == 0 {
                     let answer =
                         mav::TIMESYNC_DATA { tc1: now.0.saturating_mul(1000) as i64, ts1: m.ts1 };
-                    connection.send(&answer, sink);
+                    session.send(&answer, sink);
                 }
             }),
             mav::FILE_TRANSFER_PROTOCOL_DATA::ID => self.file_transfer(frame, sink),
@@ -107,7 +102,7 @@ impl Connection {
     }
 
     fn decode<D: MessageData>(&mut self, frame: &Frame, then: impl FnOnce(&mut Self, &D)) {
-        match D::deser(MavlinkVersion::V2, frame.payload()) {
+        match D::deser(MavlinkVersion::V2, frame.payload) {
             Ok(message) => then(self, &message),
             Err(_) => self.refuse(),
         }

@@ -302,18 +302,16 @@ impl<'a> Host<'a> {
     }
 
     fn receive_console(&mut self, bytes: &[u8]) {
-        for &byte in bytes {
-            let mut next = self.parser.push(byte);
-            while let Some(frame) = next {
-                if frame.id == STATUSTEXT_DATA::ID
-                    && let Ok(text) = STATUSTEXT_DATA::deser(MavlinkVersion::V2, frame.payload())
-                    && let Ok(text) = text.text.to_str()
-                {
-                    self.out.texts.push((self.devices.environment.time(), text.to_owned()));
-                }
-                next = self.parser.pending();
+        let time = self.devices.environment.time();
+        let texts = &mut self.out.texts;
+        self.parser.push(bytes, |frame| {
+            if frame.id == STATUSTEXT_DATA::ID
+                && let Ok(text) = STATUSTEXT_DATA::deser(MavlinkVersion::V2, frame.payload)
+                && let Ok(text) = text.text.to_str()
+            {
+                texts.push((time, text.to_owned()));
             }
-        }
+        });
     }
 
     fn finish(mut self, digest: u64) -> io::Result<Outcome> {
@@ -355,8 +353,8 @@ mod tests {
             host.update(&Status::default());
         }
         let mut parser = Parser::new();
-        let systems: Vec<u8> =
-            host.console.iter().filter_map(|byte| parser.push(*byte)).map(|f| f.system).collect();
+        let mut systems = Vec::new();
+        parser.push(&host.console, |frame| systems.push(frame.system));
         assert!(systems.contains(&(WINCH as u8)), "{systems:?}");
         [systems.contains(&(GROUND as u8)), systems.contains(&200)]
     }

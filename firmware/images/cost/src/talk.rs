@@ -20,9 +20,9 @@ pub fn all(meter: &mut Meter) {
     raw.serialize_message_data(header, &attitude);
     let mut parser = Parser::new();
     meter.measure("MAVLink parse ATTITUDE", "f32", || {
-        for &byte in black_box(raw.raw_bytes()) {
-            black_box(parser.push(byte));
-        }
+        parser.push(black_box(raw.raw_bytes()), |frame| {
+            black_box(frame);
+        });
     });
     let mut heartbeat = MAVLinkV2MessageRaw::new();
     heartbeat.serialize_message_data(header, &HEARTBEAT_DATA::default());

@@ -6,7 +6,7 @@
 mod state;
 mod system;
 
-use super::{Connection, Sink};
+use super::{Session, Sink};
 use crate::param::Params;
 use crate::supervisor::{GroundState, Mode};
 use crate::vehicle::StepOutput;
@@ -33,44 +33,44 @@ pub(super) struct Message {
     pub id: u32,
     /// Interval at start, µs, 0 = off; `None` for one that is only sent on request.
     pub interval_us: Option<u32>,
-    send: fn(&mut Connection, &Outgoing, Sink),
+    send: fn(&mut Session, &Outgoing, Sink),
 }
 
 const fn stream<D: MessageData>(
     interval_us: u32,
-    send: fn(&mut Connection, &Outgoing, Sink),
+    send: fn(&mut Session, &Outgoing, Sink),
 ) -> Message {
     Message { id: D::ID, interval_us: Some(interval_us), send }
 }
 
-const fn on_request<D: MessageData>(send: fn(&mut Connection, &Outgoing, Sink)) -> Message {
+const fn on_request<D: MessageData>(send: fn(&mut Session, &Outgoing, Sink)) -> Message {
     Message { id: D::ID, interval_us: None, send }
 }
 
 /// All messages, with their intervals, in the order in which they go out.
 pub(super) const MESSAGES: [Message; 22] = [
-    stream::<mav::HEARTBEAT_DATA>(1_000_000, Connection::send_heartbeat),
-    stream::<mav::SYS_STATUS_DATA>(500_000, Connection::send_sys_status),
-    stream::<mav::SYSTEM_TIME_DATA>(1_000_000, Connection::send_system_time),
-    stream::<mav::ATTITUDE_DATA>(50_000, Connection::send_attitude),
-    stream::<mav::ATTITUDE_QUATERNION_DATA>(20_000, Connection::send_quaternion),
-    stream::<mav::LOCAL_POSITION_NED_DATA>(50_000, Connection::send_local_position),
-    stream::<mav::GLOBAL_POSITION_INT_DATA>(200_000, Connection::send_global_position),
-    stream::<mav::SERVO_OUTPUT_RAW_DATA>(500_000, Connection::send_servos),
-    stream::<mav::VFR_HUD_DATA>(250_000, Connection::send_hud),
-    stream::<mav::POSITION_TARGET_LOCAL_NED_DATA>(0, Connection::send_position_target),
-    stream::<mav::BATTERY_STATUS_DATA>(1_000_000, Connection::send_battery),
-    stream::<mav::ESTIMATOR_STATUS_DATA>(500_000, Connection::send_estimator_status),
-    stream::<mav::HOME_POSITION_DATA>(2_000_000, Connection::send_home),
-    stream::<mav::EXTENDED_SYS_STATE_DATA>(500_000, Connection::send_landed_state),
-    stream::<mav::NAMED_VALUE_FLOAT_DATA>(100_000, Connection::send_tether),
-    stream::<mav::ODOMETRY_DATA>(50_000, Connection::send_odometry),
-    stream::<mav::CURRENT_MODE_DATA>(2_000_000, Connection::send_current_mode),
-    stream::<mav::WINCH_STATUS_DATA>(500_000, Connection::send_winch),
-    on_request::<mav::AUTOPILOT_VERSION_DATA>(Connection::send_version),
-    on_request::<mav::MESSAGE_INTERVAL_DATA>(Connection::send_interval),
-    on_request::<mav::PROTOCOL_VERSION_DATA>(Connection::send_protocol_version),
-    on_request::<mav::AVAILABLE_MODES_DATA>(Connection::send_available_modes),
+    stream::<mav::HEARTBEAT_DATA>(1_000_000, Session::send_heartbeat),
+    stream::<mav::SYS_STATUS_DATA>(500_000, Session::send_sys_status),
+    stream::<mav::SYSTEM_TIME_DATA>(1_000_000, Session::send_system_time),
+    stream::<mav::ATTITUDE_DATA>(50_000, Session::send_attitude),
+    stream::<mav::ATTITUDE_QUATERNION_DATA>(20_000, Session::send_quaternion),
+    stream::<mav::LOCAL_POSITION_NED_DATA>(50_000, Session::send_local_position),
+    stream::<mav::GLOBAL_POSITION_INT_DATA>(200_000, Session::send_global_position),
+    stream::<mav::SERVO_OUTPUT_RAW_DATA>(500_000, Session::send_servos),
+    stream::<mav::VFR_HUD_DATA>(250_000, Session::send_hud),
+    stream::<mav::POSITION_TARGET_LOCAL_NED_DATA>(0, Session::send_position_target),
+    stream::<mav::BATTERY_STATUS_DATA>(1_000_000, Session::send_battery),
+    stream::<mav::ESTIMATOR_STATUS_DATA>(500_000, Session::send_estimator_status),
+    stream::<mav::HOME_POSITION_DATA>(2_000_000, Session::send_home),
+    stream::<mav::EXTENDED_SYS_STATE_DATA>(500_000, Session::send_landed_state),
+    stream::<mav::NAMED_VALUE_FLOAT_DATA>(100_000, Session::send_tether),
+    stream::<mav::ODOMETRY_DATA>(50_000, Session::send_odometry),
+    stream::<mav::CURRENT_MODE_DATA>(2_000_000, Session::send_current_mode),
+    stream::<mav::WINCH_STATUS_DATA>(500_000, Session::send_winch),
+    on_request::<mav::AUTOPILOT_VERSION_DATA>(Session::send_version),
+    on_request::<mav::MESSAGE_INTERVAL_DATA>(Session::send_interval),
+    on_request::<mav::PROTOCOL_VERSION_DATA>(Session::send_protocol_version),
+    on_request::<mav::AVAILABLE_MODES_DATA>(Session::send_available_modes),
 ];
 
 /// Whether somebody can ask for it.
@@ -115,7 +115,7 @@ fn standard_mode(mode: Mode) -> mav::MavStandardMode {
     num_traits::FromPrimitive::from_u8(number).unwrap_or(mav::MavStandardMode::DEFAULT)
 }
 
-impl Connection {
+impl Session {
     /// Sends one message; nothing for an id that is not known or has nothing to say yet.
     pub(in crate::mavlink) fn send_message(&mut self, id: u32, at: &Outgoing, sink: Sink) {
         if let Some(message) = MESSAGES.iter().find(|message| message.id == id) {

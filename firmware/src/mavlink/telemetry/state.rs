@@ -1,7 +1,7 @@
 //! Where the vehicle is and how well it knows.
 
 use super::Outgoing;
-use crate::mavlink::{Connection, Sink, global};
+use crate::mavlink::{Session, Sink, global};
 use crate::signal::ImuHealth;
 use mavlink::dialects::common as mav;
 use mavlink::types::CharArray;
@@ -15,7 +15,7 @@ fn heading_cdeg(yaw: f32) -> u16 {
     ((if degrees < 0.0 { degrees + 360.0 } else { degrees }) * 100.0) as u16
 }
 
-impl Connection {
+impl Session {
     pub(super) fn send_global_position(&mut self, at: &Outgoing, sink: Sink) {
         let Outgoing { params, .. } = *at;
         let v = &at.view();

@@ -1,7 +1,7 @@
 //! What the vehicle is and how it does.
 
 use super::{Outgoing, standard_mode};
-use crate::mavlink::{Connection, Sink, speaks_px4};
+use crate::mavlink::{Session, Sink, speaks_px4};
 use crate::signal::{Event, ImuHealth, Severity};
 use crate::supervisor::{MODES, ModeRule};
 use crate::vehicle::StepOutput;
@@ -27,7 +27,7 @@ fn base_mode(out: &StepOutput) -> mav::MavModeFlag {
     flags
 }
 
-impl Connection {
+impl Session {
     pub(super) fn send_heartbeat(&mut self, at: &Outgoing, sink: Sink) {
         let Outgoing { out, params, .. } = *at;
         let autopilot = if speaks_px4(params) {
@@ -173,7 +173,7 @@ impl Connection {
     }
 
     /// A STATUSTEXT; what is beyond 50 bytes is cut.
-    pub fn say(&mut self, severity: Severity, text: &str, sink: Sink) {
+    pub(in crate::mavlink) fn say(&mut self, severity: Severity, text: &str, sink: Sink) {
         use mav::MavSeverity as V;
         let severity = match severity {
             Severity::Critical => V::MAV_SEVERITY_CRITICAL,
