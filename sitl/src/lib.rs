@@ -17,6 +17,7 @@
 //! | [`emulated`] | the same flight with an image under QEMU |
 //! | [`campaign`] | one flight over many seeds |
 //! | [`mod@bench`] | the papers' small worlds |
+//! | [`ulog`] | reading logs |
 //! | [`report`] | pictures |
 //! | [`sysid`] | thrust identification |
 //! | [`experiment`] | the papers' results |
@@ -36,3 +37,4 @@ pub mod report;
 pub mod scenario;
 pub mod sensor;
 pub mod sysid;
+pub mod ulog;

@@ -23,6 +23,9 @@ pub struct Options {
 /// Draws.
 pub fn run(options: &Options) -> Result<(), Failure> {
     let data = FlightData::read(&options.log).map_err(Failure::Usage)?;
+    for note in &data.notes {
+        eprintln!("{}: {note}", options.log.display());
+    }
     draw_flight(&data, &options.title, &options.out).map_err(Failure::Run)?;
     say!("Picture: {}", options.out.display());
     Ok(())

@@ -1,76 +1,8 @@
 //! A log → time series.
 
-use logged::Logged;
-use std::fs::File;
-use std::io::BufReader;
+use crate::ulog::{Data, Log, Message};
+use std::fs;
 use std::path::Path;
-
-mod logged {
-    //! Topics as the derive wants them: public, one struct each.
-    #![allow(missing_docs)]
-    use yule_log::{ULogData, ULogMessages};
-
-    #[derive(ULogMessages)]
-    pub enum Logged {
-        Position(VehicleLocalPosition),
-        TruePosition(VehicleLocalPositionGroundtruth),
-        Setpoint(VehicleLocalPositionSetpoint),
-        Tether(TetherState),
-        TrueTether(TetherStateGroundtruth),
-        Motors(ActuatorMotors),
-        Taut(EstimatorTaut),
-    }
-
-    #[derive(ULogData)]
-    pub struct VehicleLocalPosition {
-        pub timestamp: u64,
-        pub x: f32,
-        pub y: f32,
-        pub z: f32,
-        pub xy_valid: bool,
-    }
-    #[derive(ULogData)]
-    pub struct VehicleLocalPositionGroundtruth {
-        pub timestamp: u64,
-        pub x: f32,
-        pub y: f32,
-        pub z: f32,
-    }
-    #[derive(ULogData)]
-    pub struct VehicleLocalPositionSetpoint {
-        pub timestamp: u64,
-        pub x: f32,
-        pub y: f32,
-        pub z: f32,
-    }
-    #[derive(ULogData)]
-    pub struct TetherState {
-        pub timestamp: u64,
-        pub elevation: f32,
-        pub azimuth: f32,
-        pub tension: f32,
-    }
-    #[derive(ULogData)]
-    pub struct TetherStateGroundtruth {
-        pub timestamp: u64,
-        pub elevation: f32,
-        pub azimuth: f32,
-        pub tension: f32,
-    }
-    #[derive(ULogData)]
-    pub struct EstimatorTaut {
-        pub timestamp: u64,
-        pub elevation: f32,
-        pub link_force: f32,
-        pub elevation_setpoint: f32,
-        pub active: bool,
-    }
-    #[derive(ULogData)]
-    pub struct ActuatorMotors {
-        pub timestamp: u64,
-        pub winch_tension: f32,
-    }
-}
 
 /// Samples over time, s.
 pub type Series = Vec<(f64, f64)>;
@@ -92,12 +24,26 @@ pub struct FlightData {
     pub winch: Series,
     /// In the taut-link modes: elevation rad and link force N by inertia, elevation set-point, rad.
     pub taut: [Series; 3],
+    /// What was wrong with the log, one line each.
+    pub notes: Vec<String>,
 }
 
-fn push(into: &mut [Series; 3], timestamp: u64, values: [f32; 3]) {
-    for (series, value) in into.iter_mut().zip(values) {
-        series.push((timestamp as f64 * 1e-6, f64::from(value)));
+/// Numbers that are there; one that a logger of another kind leaves out leaves its line out.
+fn push(into: &mut [Series; 3], data: &Data, names: [&str; 3]) {
+    for (series, name) in into.iter_mut().zip(names) {
+        push_one(series, data, name);
     }
+}
+
+fn push_one(into: &mut Series, data: &Data, name: &str) {
+    if let (Some(time), Some(value)) = (data.time(), data.number(name)) {
+        into.push((time, value));
+    }
+}
+
+/// A flag that is not there forbids nothing.
+fn is_clear(data: &Data, flag: &str) -> bool {
+    data.number(flag) == Some(0.0)
 }
 
 impl FlightData {
@@ -107,31 +53,58 @@ impl FlightData {
     /// One line naming the file.
     pub fn read(path: &Path) -> Result<Self, String> {
         let name = path.display();
-        let file = File::open(path).map_err(|e| format!("{name}: {e}"))?;
+        let bytes = fs::read(path).map_err(|e| format!("{name}: {e}"))?;
+        Self::from_bytes(&bytes).map_err(|e| format!("{name}: {e}"))
+    }
+
+    /// The same from memory.
+    ///
+    /// # Errors
+    /// One line: not a log, or nothing in it that the picture shows.
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self, String> {
+        let mut log = Log::new(bytes).map_err(|e| e.to_string())?;
         let mut data = Self::default();
-        let stream = Logged::stream(BufReader::new(file)).map_err(|e| format!("{name}: {e}"))?;
-        for message in stream {
-            match message.map_err(|e| format!("{name}: {e}"))? {
-                Logged::Position(m) if !m.xy_valid => {}
-                Logged::Position(m) => push(&mut data.estimate, m.timestamp, [m.x, m.y, m.z]),
-                Logged::TruePosition(m) => push(&mut data.truth, m.timestamp, [m.x, m.y, m.z]),
-                Logged::Setpoint(m) => push(&mut data.setpoint, m.timestamp, [m.x, m.y, m.z]),
-                Logged::Tether(m) => {
-                    push(&mut data.tether, m.timestamp, [m.elevation, m.azimuth, m.tension])
-                }
-                Logged::TrueTether(m) => {
-                    push(&mut data.true_tether, m.timestamp, [m.elevation, m.azimuth, m.tension]);
-                }
-                Logged::Taut(m) if !m.active => {}
-                Logged::Taut(m) => {
-                    let values = [m.elevation, m.link_force, m.elevation_setpoint];
-                    push(&mut data.taut, m.timestamp, values);
-                }
-                Logged::Motors(m) => {
-                    data.winch.push((m.timestamp as f64 * 1e-6, f64::from(m.winch_tension)));
-                }
+        for message in log.by_ref() {
+            if let Message::Data(sample) = message
+                && sample.instance == 0
+            {
+                data.add(&sample);
             }
         }
+        data.notes = log.notes().lines();
+        if data.is_empty() {
+            let topics: Vec<_> = log.topics().into_iter().collect();
+            let found = match topics.as_slice() {
+                [] => "the log ends before its first topic".into(),
+                topics => format!("topics: {}", topics.join(", ")),
+            };
+            let notes: String = data.notes.iter().map(|note| format!("; {note}")).collect();
+            return Err(format!("nothing of this to draw; {found}{notes}"));
+        }
         Ok(data)
+    }
+
+    fn add(&mut self, data: &Data) {
+        const TETHER: [&str; 3] = ["elevation", "azimuth", "tension"];
+        match data.topic {
+            "vehicle_local_position" if is_clear(data, "xy_valid") => {}
+            "vehicle_local_position" => push(&mut self.estimate, data, ["x", "y", "z"]),
+            "vehicle_local_position_groundtruth" => push(&mut self.truth, data, ["x", "y", "z"]),
+            "vehicle_local_position_setpoint" => push(&mut self.setpoint, data, ["x", "y", "z"]),
+            "tether_state" => push(&mut self.tether, data, TETHER),
+            "tether_state_groundtruth" => push(&mut self.true_tether, data, TETHER),
+            "estimator_taut" if is_clear(data, "active") => {}
+            "estimator_taut" => {
+                push(&mut self.taut, data, ["elevation", "link_force", "elevation_setpoint"]);
+            }
+            "actuator_motors" => push_one(&mut self.winch, data, "winch_tension"),
+            _ => {}
+        }
+    }
+
+    /// What was asked for alone is no picture of a flight.
+    fn is_empty(&self) -> bool {
+        let flown = [&self.estimate, &self.truth, &self.tether, &self.true_tether, &self.taut];
+        flown.into_iter().flatten().all(Vec::is_empty)
     }
 }

@@ -3,64 +3,19 @@
 
 use super::record::{CHANNELS, Record};
 use crate::scenario::set_param;
-use std::fs::File;
-use std::io::{BufReader, Read};
+use crate::ulog::{Data, Log, Message, Value};
+use std::fs;
 use std::path::Path;
 use tautline_firmware::log::topics::mode_number;
 use tautline_firmware::param::Params;
 use tautline_firmware::supervisor::Mode;
-use yule_log::model::inst::ParameterValue;
-use yule_log::model::msg::UlogMessage;
-use yule_log::{ULogData, ULogMessages};
 
 /// After the change into a mode that counts, s: take-off still shakes it.
 const SETTLE: f64 = 2.0;
 /// Closer to the ground than this its cushion and the feet push too, m.
-const CLEAR: f32 = 1.5;
+const CLEAR: f64 = 1.5;
 /// `vehicle_status.ground_state` in the air.
-const IN_AIR: u8 = 2;
-
-mod logged {
-    //! Topics as the derive wants them.
-    #![allow(missing_docs)]
-    use super::{ULogData, ULogMessages, UlogMessage};
-
-    // With `forward_other` the derive knows this name only.
-    #[derive(ULogMessages)]
-    pub enum LoggedMessages {
-        Sensors(SensorCombined),
-        Motors(ActuatorMotors),
-        Status(VehicleStatus),
-        Battery(BatteryStatus),
-        Position(VehicleLocalPosition),
-        #[yule_log(forward_other)]
-        Other(UlogMessage),
-    }
-    #[derive(ULogData)]
-    pub struct SensorCombined {
-        pub accelerometer_m_s2: Vec<f32>,
-    }
-    #[derive(ULogData)]
-    pub struct ActuatorMotors {
-        pub timestamp: u64,
-        pub control: Vec<f32>,
-    }
-    #[derive(ULogData)]
-    pub struct VehicleStatus {
-        pub nav_state: u8,
-        pub ground_state: u8,
-        pub timestamp: u64,
-    }
-    #[derive(ULogData)]
-    pub struct VehicleLocalPosition {
-        pub dist_bottom: f32,
-    }
-    #[derive(ULogData)]
-    pub struct BatteryStatus {
-        pub voltage_v: f32,
-    }
-}
-use logged::LoggedMessages as Logged;
+const IN_AIR: f64 = 2.0;
 
 /// Reads the part flown in Altitude or Stabilize; the log's parameters are set into `params`.
 ///
@@ -68,75 +23,120 @@ use logged::LoggedMessages as Logged;
 /// One line naming the file.
 pub fn from_log(path: &Path, params: &mut Params) -> Result<Record, String> {
     let name = path.display().to_string();
-    let file = File::open(path).map_err(|e| format!("{name}: {e}"))?;
-    read_log(BufReader::new(file), &name, params)
+    let bytes = fs::read(path).map_err(|e| format!("{name}: {e}"))?;
+    read_log(&bytes, &name, params)
 }
 
-/// The same from anywhere; `name` stands in the errors.
+/// The same from memory; `name` stands in the errors.
 ///
 /// # Errors
 /// One line naming the log.
-pub fn read_log(input: impl Read, name: &str, params: &mut Params) -> Result<Record, String> {
-    let stream = Logged::stream(input).map_err(|e| format!("{name}: {e}"))?;
-    let by_stick = [Mode::Altitude, Mode::Stabilize].map(mode_number);
-    let mut record = Record { voltage: Some(Vec::new()), ..Record::default() };
-    let mut since: Option<f64> = None;
-    let mut voltage = None;
-    let mut is_clear = false;
-    let mut throttle: Option<Vec<f32>> = None;
-    let mut force = Mean::default();
-    for message in stream {
-        match message.map_err(|e| format!("{name}: {e}"))? {
-            Logged::Other(UlogMessage::Parameter(p)) => {
+pub fn read_log(bytes: &[u8], name: &str, params: &mut Params) -> Result<Record, String> {
+    let mut log = Log::new(bytes).map_err(|e| format!("{name}: {e}"))?;
+    let mut reader = Reader::default();
+    for message in log.by_ref() {
+        match message {
+            Message::Parameter(key, value) => {
                 // Parameters of another version are not ours to check.
-                let _ = set_param(params, &p.key, number(&p.value));
+                let _ = set_param(params, key, number(value));
             }
-            Logged::Other(_) => {}
-            Logged::Position(p) => is_clear = p.dist_bottom > CLEAR,
-            Logged::Battery(b) => voltage = Some(f64::from(b.voltage_v)),
-            Logged::Status(s) => {
-                let counts = s.ground_state == IN_AIR && by_stick.contains(&s.nav_state);
-                since = counts.then(|| since.unwrap_or(s.timestamp as f64 * 1e-6));
+            Message::Data(data) if data.instance == 0 => {
+                reader.add(&data, params).map_err(|e| format!("{name}: {e}"))?;
             }
-            Logged::Sensors(s) => {
-                if let Some(down) = s.accelerometer_m_s2.get(2) {
-                    force.add(f64::from(*down));
-                }
-            }
-            Logged::Motors(m) => {
-                let time = m.timestamp as f64 * 1e-6;
-                let counts = is_clear && since.is_some_and(|since| time >= since + SETTLE);
-                // What acted until now is what was sent at the end of the last period.
-                let acted = throttle.replace(m.control);
-                let (Some(down), Some(acted), Some(volts)) = (force.take(), acted, voltage) else {
-                    continue;
-                };
-                if !counts || acted.len() < CHANNELS {
-                    continue;
-                }
-                record.time.push(time);
-                for (channel, u) in record.pwm.iter_mut().zip(&acted) {
-                    channel.push(f64::from(*u));
-                }
-                record.thrust.push(-down * f64::from(params.mass));
-                if let Some(list) = &mut record.voltage {
-                    list.push(volts);
-                }
-            }
+            _ => {}
         }
     }
+    let record = reader.record;
     if record.time.is_empty() {
-        return Err(format!("{name}: nothing flown in Altitude or Stabilize"));
+        let notes: String = log.notes().lines().iter().map(|note| format!("; {note}")).collect();
+        return Err(format!("{name}: nothing flown in Altitude or Stabilize{notes}"));
     }
     let names = std::array::from_fn(|i| format!("actuator_motors.control[{i}]"));
     record.check(&names).map_err(|e| format!("{name}: {e}"))?;
     Ok(record)
 }
 
-fn number(value: &ParameterValue) -> f32 {
+fn number(value: Value) -> f32 {
     match value {
-        ParameterValue::INT32(i) => *i as f32,
-        ParameterValue::FLOAT(x) => *x,
+        Value::Int(i) => i as f32,
+        Value::Float(x) => x,
+    }
+}
+
+/// What of a topic's fields is not there.
+fn field(data: &Data, name: &str) -> Result<f64, String> {
+    let topic = data.topic;
+    data.number(name).ok_or_else(|| {
+        format!("`{topic}` has no `{name}`: only logs that Tautline wrote tell the thrust")
+    })
+}
+
+/// What the samples so far say.
+struct Reader {
+    record: Record,
+    /// In a mode that counts, s.
+    since: Option<f64>,
+    voltage: Option<f64>,
+    is_clear: bool,
+    throttle: Option<Vec<f64>>,
+    force: Mean,
+}
+
+impl Default for Reader {
+    fn default() -> Self {
+        Self {
+            record: Record { voltage: Some(Vec::new()), ..Record::default() },
+            since: None,
+            voltage: None,
+            is_clear: false,
+            throttle: None,
+            force: Mean::default(),
+        }
+    }
+}
+
+impl Reader {
+    fn add(&mut self, data: &Data, params: &Params) -> Result<(), String> {
+        match data.topic {
+            "vehicle_local_position" => {
+                self.is_clear = field(data, "dist_bottom")? > CLEAR;
+            }
+            "battery_status" => self.voltage = Some(field(data, "voltage_v")?),
+            "vehicle_status" => {
+                let by_stick = [Mode::Altitude, Mode::Stabilize].map(mode_number).map(f64::from);
+                let counts = field(data, "ground_state")? == IN_AIR
+                    && by_stick.contains(&field(data, "nav_state")?);
+                let time = field(data, "timestamp")? * 1e-6;
+                self.since = counts.then(|| self.since.unwrap_or(time));
+            }
+            "sensor_combined" => self.force.add(field(data, "accelerometer_m_s2[2]")?),
+            "actuator_motors" => self.add_motors(data, params)?,
+            _ => {}
+        }
+        Ok(())
+    }
+
+    fn add_motors(&mut self, data: &Data, params: &Params) -> Result<(), String> {
+        let time = field(data, "timestamp")? * 1e-6;
+        let counts = self.is_clear && self.since.is_some_and(|since| time >= since + SETTLE);
+        // What acted until now is what was sent at the end of the last period.
+        let acted = self.throttle.replace(data.numbers("control").unwrap_or_default());
+        let (Some(down), Some(acted), Some(volts)) = (self.force.take(), acted, self.voltage)
+        else {
+            return Ok(());
+        };
+        if !counts || acted.len() < CHANNELS {
+            return Ok(());
+        }
+        self.record.time.push(time);
+        for (channel, u) in self.record.pwm.iter_mut().zip(&acted) {
+            channel.push(*u);
+        }
+        self.record.thrust.push(-down * f64::from(params.mass));
+        if let Some(list) = &mut self.record.voltage {
+            list.push(volts);
+        }
+        Ok(())
     }
 }
 

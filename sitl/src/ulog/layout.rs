@@ -1,0 +1,87 @@
+//! Where in a sample its fields stand.
+
+use super::scalar::Scalar;
+use std::rc::Rc;
+
+/// A message's length is two bytes.
+pub const LONGEST: usize = u16::MAX as usize;
+
+/// One format's fields.
+#[derive(Debug, Default)]
+pub struct Layout<'a> {
+    pub fields: Vec<Field<'a>>,
+    pub size: usize,
+    /// Bytes at the end that a logger may leave out.
+    pub padding: usize,
+}
+
+#[derive(Debug)]
+pub struct Field<'a> {
+    pub name: &'a str,
+    pub kind: Kind<'a>,
+    /// Of an array.
+    pub count: Option<usize>,
+    pub offset: usize,
+}
+
+#[derive(Debug)]
+pub enum Kind<'a> {
+    Scalar(Scalar),
+    Nested(Rc<Layout<'a>>),
+}
+
+impl Kind<'_> {
+    pub fn size(&self) -> usize {
+        match self {
+            Self::Scalar(scalar) => scalar.size(),
+            Self::Nested(layout) => layout.size,
+        }
+    }
+}
+
+impl Layout<'_> {
+    /// Whether a sample may be so long.
+    pub fn fits(&self, length: usize) -> bool {
+        (self.size - self.padding..=self.size).contains(&length)
+    }
+
+    fn field(&self, name: &str) -> Option<&Field<'_>> {
+        self.fields.iter().find(|field| field.name == name)
+    }
+
+    /// Offset and type of a number.
+    pub fn find(&self, path: &str) -> Option<(usize, Scalar)> {
+        let (first, rest) = match path.split_once('.') {
+            Some((first, rest)) => (first, Some(rest)),
+            None => (path, None),
+        };
+        let (name, index) = match first.split_once('[') {
+            Some((name, index)) => (name, Some(index.strip_suffix(']')?.parse::<usize>().ok()?)),
+            None => (first, None),
+        };
+        let field = self.field(name)?;
+        let index = match (field.count, index) {
+            (None, None) => 0,
+            (Some(count), Some(index)) if index < count => index,
+            _ => return None,
+        };
+        let at = field.offset + index * field.kind.size();
+        match (&field.kind, rest) {
+            (Kind::Scalar(scalar), None) => Some((at, *scalar)),
+            (Kind::Nested(layout), Some(rest)) => {
+                let (within, scalar) = layout.find(rest)?;
+                Some((at + within, scalar))
+            }
+            _ => None,
+        }
+    }
+
+    /// Offset, type and length of an array of numbers.
+    pub fn array(&self, name: &str) -> Option<(usize, Scalar, usize)> {
+        let field = self.field(name)?;
+        match field.kind {
+            Kind::Scalar(scalar) => Some((field.offset, scalar, field.count?)),
+            Kind::Nested(_) => None,
+        }
+    }
+}
