@@ -108,7 +108,9 @@ impl Bench {
         let (queue, writer) = memory.split(card.clone());
         let scale = ImuScale { gyro: 1.065e-3, accel: 4.788e-3, rate_hz: 1000.0 };
         let out = *Vehicle::<f32>::new(Params::default(), scale).step(&StepInput::default());
-        let comms = Comms::new(Params::default(), None);
+        // The dearest log is the hardest to keep up with.
+        let params = Params { log_full: 1.0, ..Params::default() };
+        let comms = Comms::new(params, None);
         Self { comms, queue, writer, out, told: Vec::new() }
     }
 

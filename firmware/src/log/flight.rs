@@ -6,18 +6,33 @@ use crate::param::{META, Params};
 use crate::time::Micros;
 use crate::vehicle::StepOutput;
 
-/// Periods in steps of 1 ms.
-pub(super) const FAST: u32 = 4;
-pub(super) const MEDIUM: u32 = 10;
-pub(super) const SLOW: u32 = 20;
-pub(super) const RARE: u32 = 200;
+/// How often a topic is written, in steps of 1 ms: by default, and in a log for identification (`LOG_FULL`).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Period {
+    usual: u32,
+    full: u32,
+}
+
+impl Period {
+    /// Whether a step is one of those.
+    #[must_use]
+    pub fn has(self, step: u32, is_full: bool) -> bool {
+        step.is_multiple_of(if is_full { self.full } else { self.usual })
+    }
+}
+
+pub(super) const FAST: Period = Period { usual: 10, full: 4 };
+/// Of attitude and motors; also of the simulator's truth.
+pub const MEDIUM: Period = Period { usual: 20, full: 10 };
+pub(super) const SLOW: Period = Period { usual: 40, full: 20 };
+pub(super) const RARE: Period = Period { usual: 200, full: 200 };
 
 /// A topic that the vehicle's own output fills.
 pub trait FlightTopic: Record + Sized {
     /// PX4's name where PX4 has the topic.
     const NAME: &'static str;
-    /// Period, steps.
-    const EVERY: u32;
+    /// How often.
+    const EVERY: Period;
     /// Also when mode, arming, ground or failures change.
     const ON_CHANGE: bool = false;
     /// What this step has to say on it, if anything.
@@ -37,7 +52,7 @@ macro_rules! flight_topics {
             fn write_due(&mut self, out: &StepOutput, has_changed: bool, sink: Sink) {
                 let mut topics = self.topics.into_iter();
                 $(if let Some(topic) = topics.next()
-                    && (self.step.is_multiple_of(t::$topic::EVERY)
+                    && (t::$topic::EVERY.has(self.step, self.is_full)
                         || (t::$topic::ON_CHANGE && has_changed))
                     && let Some(record) = t::$topic::of(out)
                 {
@@ -74,6 +89,7 @@ pub struct FlightLog {
     /// The writer.
     pub ulog: Ulog,
     topics: [Topic; NAMES.len()],
+    is_full: bool,
     step: u32,
     stage: Option<Stage>,
 }
@@ -94,7 +110,13 @@ impl FlightLog {
             ulog.parameter(meta.name, params.get(index).unwrap_or(meta.default), sink);
         }
         let topics = NAMES.map(|name| ulog.subscribe(name, sink));
-        Self { ulog, topics, step: 0, stage: None }
+        Self { ulog, topics, is_full: params.log_full > 0.5, step: 0, stage: None }
+    }
+
+    /// Whether a topic of this period is written in the next step, for whoever logs beside it.
+    #[must_use]
+    pub fn is_due(&self, period: Period) -> bool {
+        period.has(self.step, self.is_full)
     }
 
     /// What this step has to say.

@@ -11,5 +11,5 @@ mod flight;
 pub mod topics;
 mod ulog;
 
-pub use flight::{FlightLog, FlightTopic};
+pub use flight::{FlightLog, FlightTopic, MEDIUM, Period};
 pub use ulog::{Field, FieldMeta, Record, Sink, Topic, Ulog};

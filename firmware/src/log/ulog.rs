@@ -119,7 +119,7 @@ macro_rules! record {
         }
         $(impl $crate::log::FlightTopic for $name {
             const NAME: &'static str = $topic;
-            const EVERY: u32 = $every;
+            const EVERY: $crate::log::Period = $every;
             $(const ON_CHANGE: bool = $change;)?
             fn of($out: &$crate::vehicle::StepOutput) -> Option<Self> {
                 $of

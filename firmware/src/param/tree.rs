@@ -325,6 +325,8 @@ params! {
         airframe: "SYS_AUTOSTART" Int [""] = 4001.0 in 1.0 ..= 99999.0;
         /// Whether a magnetometer is fitted; none is used.
         has_magnetometer: "SYS_HAS_MAG" Int [""] = 0.0 in 0.0 ..= 0.0;
+        /// 1 = the log at the rates that identification needs, at twice the size.
+        log_full: "LOG_FULL" Int [""] = 0.0 in 0.0 ..= 1.0;
         /// Identity of the calibrated gyro.
         gyro_id: "CAL_GYRO0_ID" Int [""] = 42688.0 in 1.0 ..= 16777215.0;
         /// Identity of the calibrated accelerometer.

@@ -41,7 +41,8 @@ fn identify(settings: &Overrides, seed: u64) -> Result<ThrustFit, String> {
         Step::Excite { altitude: HEIGHT, seconds: EXCITED },
         Step::AwaitDisarmed { timeout: 60.0 },
     ];
-    let params = s.params().map_err(|e| e.0)?;
+    let mut params = s.params().map_err(|e| e.0)?;
+    params.log_full = 1.0;
     let mut flight = Flight::new(&s, params, seed, Vec::new()).map_err(|e| e.0)?;
     flight.fly(200.0);
     if let Some(why) = why_lost(&flight) {

@@ -7,14 +7,12 @@ use std::io::{self, Write};
 use tautline_firmware::log::topics::{
     EstimatorPosition, TetherState, VehicleAttitude, VehicleLocalPosition,
 };
-use tautline_firmware::log::{FlightLog, Topic};
+use tautline_firmware::log::{FlightLog, MEDIUM, Topic};
 use tautline_firmware::param::Params;
 use tautline_firmware::time::Micros;
 use tautline_firmware::vehicle::StepOutput;
 
-/// Truth is written every so many steps.
-const TRUTH_PERIOD: u64 = 10;
-/// So are the shadow estimators.
+/// Shadow estimators are written every so many steps.
 const SHADOW_PERIOD: u64 = 20;
 
 const ATTITUDE: &str = "vehicle_attitude_groundtruth";
@@ -74,8 +72,9 @@ impl<W: Write> Recorder<W> {
     pub fn write(&mut self, out: &StepOutput, plant: &Plant) {
         let (file, error) = (&mut self.out, &mut self.error);
         let mut sink = |bytes: &[u8]| put(file, error, bytes);
+        let truth_is_due = self.log.is_due(MEDIUM);
         self.log.write(out, &mut sink);
-        if self.steps.is_multiple_of(TRUTH_PERIOD) {
+        if truth_is_due {
             let at = out.now.0;
             self.log.ulog.write(self.attitude, &true_attitude(at, plant), &mut sink);
             self.log.ulog.write(self.position, &true_position(at, plant), &mut sink);
