@@ -26,6 +26,7 @@ mod config;
 pub mod control;
 pub mod estimate;
 pub mod fault;
+mod feature;
 pub mod fixed;
 pub mod frames;
 pub mod log;

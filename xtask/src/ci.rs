@@ -20,6 +20,9 @@ pub fn everything() -> Outcome {
     // The images prove the larger cores; the smallest shall not be lost.
     let smallest = ["check", "--locked", "-p", "tautline-firmware", "-p", "tautline-hal-shim"];
     run("cargo", &[&smallest[..], &["--target", SMALLEST]].concat())?;
+    // Fewer techniques than all must build, and refuse what they lack.
+    let fewer = ["test", "--locked", "-p", "tautline-firmware", "--no-default-features", "--lib"];
+    run("cargo", &[&fewer[..], &["--features", "cable"]].concat())?;
     nopanic()?;
     run_with("cargo", &["doc", "--no-deps", "--locked"], &DENY_WARNINGS)?;
     images::size(false)?;

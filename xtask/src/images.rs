@@ -11,8 +11,10 @@ pub struct Image {
     /// What `cargo xtask size` calls it.
     pub name: &'static str,
     package: &'static str,
-    /// Its feature; the package's default is the reference board.
-    feature: &'static str,
+    /// Its board's feature.
+    board: &'static str,
+    /// What of the core is in it.
+    core: &'static str,
     target: &'static str,
     /// Vector of the flight task.
     flight: &'static str,
@@ -27,47 +29,69 @@ pub struct Image {
 const M4F: &str = "thumbv7em-none-eabihf";
 const PROFILE: &str = "flight";
 const KIB: u64 = 1024;
+/// Flash of every part here.
+const PART: u64 = 1024 * KIB;
+/// Every technique of the core.
+const EVERYTHING: &str = "everything";
+/// What `cargo xtask size --full` builds the reference board's image with, one by one.
+const CORES: [&str; 7] =
+    ["", "cable", "taut-link", "tether-angle", "capture", "pendulum", EVERYTHING];
 
 /// All images.
-pub const IMAGES: [Image; 4] = [
+pub const IMAGES: [Image; 5] = [
     Image {
         name: "speedybee-f405-v4",
         package: "tautline-f405",
-        feature: "speedybee-f405-v4",
+        board: "speedybee-f405-v4",
+        core: EVERYTHING,
         target: M4F,
         flight: "CAN1_SCE",
         chip: "STM32F405RG",
-        flash: 256 * KIB,
+        flash: 384 * KIB,
+        ram: 64 * KIB,
+    },
+    Image {
+        name: "speedybee-f405-v4-cable",
+        package: "tautline-f405",
+        board: "speedybee-f405-v4",
+        core: "cable",
+        target: M4F,
+        flight: "CAN1_SCE",
+        chip: "STM32F405RG",
+        flash: 192 * KIB,
         ram: 64 * KIB,
     },
     Image {
         name: "matek-f405-te",
         package: "tautline-f405",
-        feature: "matek-f405-te",
+        board: "matek-f405-te",
+        core: EVERYTHING,
         target: M4F,
         flight: "CAN1_SCE",
         chip: "STM32F405RG",
-        flash: 256 * KIB,
+        flash: 384 * KIB,
         ram: 64 * KIB,
     },
     Image {
         name: "matek-h743-slim-v3",
         package: "tautline-h743",
-        feature: "matek-h743-slim-v3",
+        board: "matek-h743-slim-v3",
+        core: EVERYTHING,
         target: M4F,
         flight: "FDCAN1_IT0",
         chip: "STM32H743VI",
-        flash: 320 * KIB,
-        ram: 96 * KIB,
+        flash: 384 * KIB,
+        ram: 64 * KIB,
     },
     Image {
         name: "emulated-f405",
         package: "tautline-f405",
-        feature: "emulated",
+        board: "emulated",
+        core: EVERYTHING,
         target: M4F,
         flight: "CAN1_SCE",
         chip: "",
-        flash: 256 * KIB,
+        flash: 384 * KIB,
         ram: 64 * KIB,
     },
 ];
@@ -94,6 +118,11 @@ impl Image {
 
     /// Builds it, with the stack below the data.
     pub fn build(&self) -> Outcome {
+        self.build_with(self.core)
+    }
+
+    /// The same with another choice of the core's techniques.
+    fn build_with(&self, core: &str) -> Outcome {
         install::rust_targets(&[self.target])?;
         let linker = install::flip_link()?;
         let variable =
@@ -107,7 +136,7 @@ impl Image {
             self.package,
             "--no-default-features",
             "--features",
-            self.feature,
+            &format!("{},{core}", self.board),
             "--target",
             self.target,
         ];
@@ -151,7 +180,8 @@ pub fn lint() -> Outcome {
     for image in &IMAGES {
         install::rust_targets(&[image.target])?;
         let package = ["clippy", "--locked", "-p", image.package, "--no-default-features"];
-        let board = ["--features", image.feature, "--target", image.target];
+        let features = format!("{},{}", image.board, image.core);
+        let board = ["--features", &features, "--target", image.target];
         run("cargo", &[&package[..], &board[..], &["--", "-D", "warnings"]].concat())?;
     }
     Ok(())
@@ -165,17 +195,24 @@ pub fn size(json: bool) -> Outcome {
     let mut rows = Vec::new();
     let mut passed = Vec::new();
     if !json {
-        println!("\n{:<20} {:>9} {:>9}  {:>9} {:>9}", "image", "flash", "limit", "RAM", "limit");
+        println!(
+            "\n{:<24} {:>8} {:>8} {:>8}  {:>8} {:>8}",
+            "image", "flash", "limit", "left", "RAM", "limit"
+        );
     }
     for image in &IMAGES {
         let Size { flash, ram } = image.size()?;
+        let left = PART.saturating_sub(flash);
         if json {
             rows.push(format!(
-                "{{\"image\":\"{}\",\"flash_bytes\":{flash},\"flash_limit_bytes\":{},\"ram_bytes\":{ram},\"ram_limit_bytes\":{}}}",
+                "{{\"image\":\"{}\",\"flash_bytes\":{flash},\"flash_limit_bytes\":{},\"flash_left_bytes\":{left},\"ram_bytes\":{ram},\"ram_limit_bytes\":{}}}",
                 image.name, image.flash, image.ram
             ));
         } else {
-            println!("{:<20} {flash:>9} {:>9}  {ram:>9} {:>9}", image.name, image.flash, image.ram);
+            println!(
+                "{:<24} {flash:>8} {:>8} {left:>8}  {ram:>8} {:>8}",
+                image.name, image.flash, image.ram
+            );
         }
         if flash > image.flash || ram > image.ram {
             passed.push(image.name);
@@ -185,6 +222,21 @@ pub fn size(json: bool) -> Outcome {
         println!("[{}]", rows.join(","));
     }
     if passed.is_empty() { Ok(()) } else { Err(format!("over the limit: {}", passed.join(", "))) }
+}
+
+/// Flash and static RAM of the reference board's image with each technique of the core alone, and with all.
+pub fn size_by_core() -> Outcome {
+    let image = Image::named("speedybee-f405-v4")?;
+    let mut rows = Vec::new();
+    for core in CORES {
+        image.build_with(core)?;
+        rows.push((core, image.size()?));
+    }
+    println!("\n{:<14} {:>8} {:>8}", "core", "flash", "RAM");
+    for (core, Size { flash, ram }) in rows {
+        println!("{:<14} {flash:>8} {ram:>8}", if core.is_empty() { "none" } else { core });
+    }
+    Ok(())
 }
 
 /// No panic may be in reach of a built image's flight task. The emulated board's back end is no part of a flight.

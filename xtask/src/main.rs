@@ -21,7 +21,8 @@ const USAGE: &str = "usage: cargo xtask TASK
   citations      follow every cited section, key of a paper and link between documents
   nopanic        link Vehicle::step with a panic handler that does not exist; walk the images' flight tasks
   clients        the pymavlink and pyulog flights alone
-  size           build all images, print flash and static RAM against their limits; --json
+  size           build all images, print flash and static RAM against their limits; --json;
+                 --full builds the reference board's with each technique of the core alone
   cost           count instructions per call on emulated cores, write docs/cost.md; --check only compares; --json
   figures        measure the README's figures by campaigns and experiments and write them; --check only compares
   flash IMAGE    build an image and write it to a board by probe-rs
@@ -42,6 +43,7 @@ fn main() -> ExitCode {
         ["clients"] => ci::clients(),
         ["size"] => images::size(false),
         ["size", "--json"] => images::size(true),
+        ["size", "--full"] => images::size_by_core(),
         ["cost"] => cost::write(),
         ["cost", "--check"] => cost::check(),
         ["cost", "--json"] => cost::json(),

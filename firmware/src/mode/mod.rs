@@ -11,6 +11,7 @@
 //! `Handover` to the next one. What it needs, its name and its numbers stand in
 //! [`crate::supervisor::MODES`]; who may change the mode, in `vehicle/arbiter.rs` alone.
 
+mod boxed;
 mod context;
 mod descent;
 mod handover;
@@ -18,7 +19,7 @@ mod hold;
 mod land;
 pub(crate) mod pendulum;
 mod plan;
-mod refusal;
+pub(crate) mod refusal;
 mod setpoints;
 mod sticks;
 mod takeoff;
@@ -33,6 +34,7 @@ pub(crate) use setpoints::{Exit, Notice, Setpoints};
 pub(crate) use taut::OutOfPlane;
 
 use crate::estimate::tether_angle::TetherAngleEstimate;
+use crate::feature;
 use crate::model::TetherKind;
 use crate::param::Params;
 use crate::scalar::Scalar;
@@ -42,10 +44,10 @@ use crate::supervisor::Mode;
 /// Configuration of the modes that have one; `None` where the parameters rule a mode out.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ModeConfig<S: Scalar> {
-    pub slack_hover: Option<takeoff::SlackHoverPlan<S>>,
-    pub taut: Option<taut::TautConfig<S>>,
-    pub angle: Option<tether_angle::AngleConfig<S>>,
-    pub pendulum: Option<pendulum::PendulumConfig<S>>,
+    pub slack_hover: Option<feature::TautLink<takeoff::SlackHoverPlan<S>>>,
+    pub taut: Option<feature::TautLink<taut::TautConfig<S>>>,
+    pub angle: Option<feature::TetherAngle<tether_angle::AngleConfig<S>>>,
+    pub pendulum: Option<feature::Pendulum<pendulum::PendulumConfig<S>>>,
 }
 
 impl<S: Scalar> ModeConfig<S> {
@@ -59,26 +61,28 @@ impl<S: Scalar> ModeConfig<S> {
     }
 
     #[inline(never)]
-    pub fn slack_hover(p: &Params) -> Option<takeoff::SlackHoverPlan<S>> {
+    pub fn slack_hover(p: &Params) -> Option<feature::TautLink<takeoff::SlackHoverPlan<S>>> {
         let kind = TetherKind::from_parameter(p.tether_kind);
-        takeoff::SlackHoverPlan::new(p, kind == TetherKind::Cable)
+        feature::TautLink::build(|| takeoff::SlackHoverPlan::new(p, kind == TetherKind::Cable))
     }
 
     #[inline(never)]
-    pub fn taut(p: &Params) -> Option<taut::TautConfig<S>> {
+    pub fn taut(p: &Params) -> Option<feature::TautLink<taut::TautConfig<S>>> {
         // A winch lets the length go: neither mode nor observer.
         let kind = TetherKind::from_parameter(p.tether_kind);
-        taut::TautConfig::new(p).filter(|_| !kind.is_free() && !kind.has_winch())
+        feature::TautLink::build(|| {
+            taut::TautConfig::new(p).filter(|_| !kind.is_free() && !kind.has_winch())
+        })
     }
 
     #[inline(never)]
-    pub fn angle(p: &Params) -> Option<tether_angle::AngleConfig<S>> {
-        tether_angle::AngleConfig::new(p)
+    pub fn angle(p: &Params) -> Option<feature::TetherAngle<tether_angle::AngleConfig<S>>> {
+        feature::TetherAngle::build(|| tether_angle::AngleConfig::new(p))
     }
 
     #[inline(never)]
-    pub fn pendulum(p: &Params) -> Option<pendulum::PendulumConfig<S>> {
-        pendulum::PendulumConfig::new(p)
+    pub fn pendulum(p: &Params) -> Option<feature::Pendulum<pendulum::PendulumConfig<S>>> {
+        feature::Pendulum::build(|| pendulum::PendulumConfig::new(p))
     }
 }
 
@@ -216,10 +220,10 @@ active_modes! {
     Takeoff: takeoff::Takeoff<S>;
     Land: land::Land;
     Descent: descent::Descent;
-    TautForce: taut::TautLink<S>;
-    TautAttitude: taut::TautLink<S>;
-    TetherAngle: tether_angle::TetherAngle<S>;
-    Pendulum: pendulum::Pendulum<S>;
+    TautForce: feature::TautLink<taut::TautLink<S>>;
+    TautAttitude: feature::TautLink<taut::TautLink<S>>;
+    TetherAngle: feature::TetherAngle<tether_angle::TetherAngle<S>>;
+    Pendulum: feature::Pendulum<pendulum::Pendulum<S>>;
 }
 
 /// The mode that flies, with its state.

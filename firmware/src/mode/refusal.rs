@@ -18,6 +18,9 @@ pub(crate) const fn denied(text: &'static str) -> Refusal {
 /// Of every mode on a taut link.
 pub(crate) const NEEDS_FIXED_LENGTH: Refusal = denied("Mode refused: needs a link of fixed length");
 
+/// This image has no such mode.
+pub(crate) const NOT_BUILT: Refusal = denied("Mode refused: not in this image");
+
 /// The mode does not know this command.
 pub(super) fn not_here(action: &Action) -> Refusal {
     rejected(match action {

@@ -4,6 +4,7 @@ use super::divergence::{Divergence, DivergenceState};
 use super::slackness::{Slackness, SlacknessState};
 use crate::estimate::capture::{CaptureFilter, CaptureState};
 use crate::estimate::{Ekf4, Ekf4Measurement, Ekf4State, VelocityFilter, VelocityState};
+use crate::feature;
 use crate::frames::{Attitude, Body, V3, World};
 use crate::math::so3;
 use crate::model::TetherKind;
@@ -33,9 +34,18 @@ pub(super) struct PositionFilter<S: Scalar> {
 #[derive(Clone, Copy, Debug)]
 enum Filter<S: Scalar> {
     /// On a tether: four-state filter and velocity behind it, `fullstate` section 10.
-    Simple(Ekf4<S>, VelocityFilter<S>),
+    Simple(feature::Cable<Simple<S>>),
     /// In free flight.
-    Capture(CaptureFilter<S>),
+    Capture(feature::Capture<CaptureFilter<S>>),
+    /// The image has none for this link: there is no position.
+    Absent,
+}
+
+/// The filter on a tether and the velocity behind it.
+#[derive(Clone, Copy, Debug)]
+struct Simple<S: Scalar> {
+    ekf: Ekf4<S>,
+    follower: VelocityFilter<S>,
 }
 
 /// What moves.
@@ -54,8 +64,8 @@ pub(super) struct PositionFilterState<S: Scalar> {
 #[derive(Clone, Copy, Debug)]
 enum Airborne<S: Scalar> {
     Simple(Ekf4State<S>, VelocityState<S>),
-    /// Motion capture runs on the ground too.
-    Capture,
+    /// Motion capture runs on the ground too; without a filter there is nothing.
+    Elsewhere,
 }
 
 /// What one step reads.
@@ -85,9 +95,8 @@ impl<S: Scalar> PositionFilter<S> {
         let (sin, cos) = f(p.start_heading).sin_cos();
         let out = f(distance);
         let fixed_length = (!kind.has_winch()).then(|| f(p.tether_length));
-        let filter = if kind.is_free() {
-            Filter::Capture(CaptureFilter::new(p))
-        } else {
+        let capture = || kind.is_free().then(|| CaptureFilter::new(p));
+        let simple = || {
             let ekf = Ekf4 {
                 mass: f(p.mass),
                 q_position: f(p.ekf_q_position),
@@ -96,7 +105,13 @@ impl<S: Scalar> PositionFilter<S> {
                 r_altitude: f(p.ekf_r_altitude),
                 r_length: f(p.ekf_r_length),
             };
-            Filter::Simple(ekf, VelocityFilter { gain: f(p.velocity_gain) })
+            let follower = VelocityFilter { gain: f(p.velocity_gain) };
+            (!kind.is_free()).then_some(Simple { ekf, follower })
+        };
+        let filter = match (feature::Cable::build(simple), feature::Capture::build(capture)) {
+            (Some(simple), _) => Filter::Simple(simple),
+            (None, Some(capture)) => Filter::Capture(capture),
+            (None, None) => Filter::Absent,
         };
         Self {
             filter,
@@ -154,10 +169,10 @@ impl<S: Scalar> PositionFilter<S> {
 
     /// The vehicle has left the ground, at this height, m.
     pub fn lift_off(&self, state: &mut PositionFilterState<S>, height: S) {
-        if let Filter::Capture(_) = self.filter {
-            state.airborne = Some(Airborne::Capture);
+        let Filter::Simple(_) = self.filter else {
+            state.airborne = Some(Airborne::Elsewhere);
             return;
-        }
+        };
         let mut place = state.place;
         place.0.z = -height;
         if let Some(length) = self.fixed_length {
@@ -174,7 +189,7 @@ impl<S: Scalar> PositionFilter<S> {
 
     /// One step in the air.
     pub fn step(&self, state: &mut PositionFilterState<S>, z: &PositionInput<S>) {
-        let (Filter::Simple(filter, follower), Some(Airborne::Simple(ekf, velocity))) =
+        let (Filter::Simple(filter), Some(Airborne::Simple(ekf, velocity))) =
             (&self.filter, &mut state.airborne)
         else {
             return;
@@ -187,10 +202,10 @@ impl<S: Scalar> PositionFilter<S> {
             altitude: z.altitude,
             length: if self.fixed_length.is_none() { z.length } else { fixed() },
         };
-        match filter.step(ekf, &z4) {
+        match filter.ekf.step(ekf, &z4) {
             Ok(nu) => {
                 let position = World(ekf.position());
-                follower.step(velocity, &z.force, &position, S::lit(OUTER_DT));
+                filter.follower.step(velocity, &z.force, &position, S::lit(OUTER_DT));
                 let (tension, distance) = (ekf.tension(), so3::norm(&position.0));
                 self.divergence.step(&mut state.divergence, &nu, tension, distance);
                 self.slackness.step(&mut state.slackness, tension);
@@ -218,7 +233,8 @@ impl<S: Scalar> PositionFilter<S> {
             };
         }
         let has_diverged = self.divergence.has_diverged(&state.divergence);
-        let known = estimate.is_levelled && !has_diverged;
+        let is_absent = matches!(self.filter, Filter::Absent);
+        let known = estimate.is_levelled && !has_diverged && !is_absent;
         let (position, velocity, tension, sd) = match &state.airborne {
             Some(Airborne::Simple(ekf, velocity)) => {
                 let c = &ekf.covariance;

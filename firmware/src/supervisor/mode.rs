@@ -1,5 +1,7 @@
 //! Flight modes: what each needs, its name and its MAVLink numbers. What a mode does stands in [`crate::mode`].
 
+use crate::feature;
+
 /// What a mode cannot do without.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Needs {
@@ -41,6 +43,8 @@ pub struct ModeRule {
     pub needs: Needs,
     /// What becomes of it on the ground.
     pub rest: Rest,
+    /// Whether the core is built with it.
+    pub is_built: bool,
     /// It leaves the ground by itself, from a known place, and may be asked for anew until it has.
     pub takes_off: bool,
     /// What the operator reads when it has done what it was asked and Tether Hold takes over; `None` for a mode that
@@ -105,6 +109,7 @@ const fn row(
         standard_mode: 0,
         needs,
         rest,
+        is_built: true,
         takes_off: false,
         completes: None,
     }
@@ -128,13 +133,17 @@ modes! {
     /// Level and sinking; knows nothing of position or tether.
     Descent: "Descent", px4(4, 11), NOTHING, Lands;
     /// Elevation and link force on a taut link, by inertia.
-    TautForce: "Taut Force", px4(4, 12), TAUT, EndsWithMotors;
+    TautForce: "Taut Force", px4(4, 12), TAUT, EndsWithMotors,
+        is_built = feature::TautLink::<()>::IS_BUILT;
     /// Elevation and pitch on a taut link, by inertia.
-    TautAttitude: "Taut Attitude", px4(4, 13), TAUT, EndsWithMotors;
+    TautAttitude: "Taut Attitude", px4(4, 13), TAUT, EndsWithMotors,
+        is_built = feature::TautLink::<()>::IS_BUILT;
     /// Direction of a taut tether, by inertia, under constant thrust.
-    TetherAngle: "Tether Angle", px4(4, 14), TAUT, EndsWithMotors;
+    TetherAngle: "Tether Angle", px4(4, 14), TAUT, EndsWithMotors,
+        is_built = feature::TetherAngle::<()>::IS_BUILT;
     /// Balances a load on a rod, under motion capture, without a tether.
-    Pendulum: "Pendulum", px4(4, 15), CAPTURE, EndsWithMotors;
+    Pendulum: "Pendulum", px4(4, 15), CAPTURE, EndsWithMotors,
+        is_built = feature::Pendulum::<()>::IS_BUILT;
 }
 
 impl Mode {

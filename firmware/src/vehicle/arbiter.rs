@@ -2,6 +2,7 @@
 
 use super::{Moment, Vehicle, context};
 use crate::control::{PositionState, RadialControl};
+use crate::mode::refusal::NOT_BUILT;
 use crate::mode::{Context, Entry, Exit, Refusal, denied, rejected};
 use crate::scalar::Scalar;
 use crate::signal::{Action, CLOSED_THROTTLE, Event, EventQueue, Sensors};
@@ -183,6 +184,9 @@ impl<S: Scalar> Vehicle<S> {
 
     /// A mode that somebody asks for.
     pub(super) fn request_mode(&mut self, entry: &Entry, at: Moment<'_, S>) -> Result<(), Refusal> {
+        if !entry.mode.rule().is_built {
+            return Err(NOT_BUILT);
+        }
         let needs = entry.mode.rule().needs;
         let cx = context!(self, at);
         let takes_off = entry.mode.rule().takes_off;

@@ -173,7 +173,7 @@ impl<S: Scalar> Vehicle<S> {
         }
         #[cfg(debug_assertions)]
         {
-            let before = output.clone();
+            let before = *output;
             output.estimate = in_single(&situation.estimate);
             output.observe(situation, mode);
             output.guide(situation, mode);

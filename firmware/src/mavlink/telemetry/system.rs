@@ -143,7 +143,7 @@ impl Session {
     pub(super) fn send_available_modes(&mut self, at: &Outgoing, sink: Sink) {
         let Outgoing { argument: index, .. } = *at;
         let mut count = 0_u8;
-        for rule in &MODES {
+        for rule in MODES.iter().filter(|rule| rule.is_built) {
             count += 1;
             if index == 0 || index == u16::from(count) {
                 self.send_available_mode(rule, count, sink);
@@ -160,7 +160,7 @@ impl Session {
         let m = mav::AVAILABLE_MODES_DATA {
             custom_mode: rule.custom_mode,
             properties,
-            number_modes: MODES.len() as u8,
+            number_modes: MODES.iter().filter(|rule| rule.is_built).count() as u8,
             mode_index,
             standard_mode: standard_mode(rule.mode),
             mode_name: CharArray::from(rule.name),

@@ -65,7 +65,7 @@ impl<S: Scalar> FlightMode<S> for Takeoff<S> {
 
     fn sees_pull(&self, cx: &Context<'_, S>) -> Option<bool> {
         // From inside the sphere of a fixed link it is slack until it gets there.
-        cx.config.modes.slack_hover.map(|_| true)
+        cx.config.modes.slack_hover.as_ref().map(|_| true)
     }
 
     fn climbs_slack(&self) -> bool {
@@ -95,7 +95,7 @@ impl<S: Scalar> Takeoff<S> {
                 return Err(Exit { failure: Failure::NoLiftOff, text });
             }
             self.spool = S::zero();
-            self.slack = cx.config.modes.slack_hover.map(|block| SlackHover::start(&block));
+            self.slack = cx.config.modes.slack_hover.as_ref().map(|block| SlackHover::start(block));
             handover.position = PositionState::default();
         }
         let ground = GroundState::TakingOff;
