@@ -118,6 +118,11 @@ impl Stale {
         self.0 |= other.0;
     }
 
+    /// Whether all follow.
+    pub fn is_empty(self) -> bool {
+        self.0 == 0
+    }
+
     /// The next one.
     fn take(&mut self) -> Option<Part> {
         let bit = self.0.trailing_zeros();

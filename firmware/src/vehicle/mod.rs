@@ -31,11 +31,16 @@ use crate::param::Params;
 use crate::scalar::Scalar;
 use crate::sense::{ImuScale, SenseState};
 use crate::signal::{
-    Actuation, Event, EventQueue, MixerReport, Reply, Sensors, Ticket, WinchCommand, Wrench,
+    Actuation, Event, EventQueue, MixerReport, Reply, Request, Sensors, Ticket, WinchCommand,
+    Wrench,
 };
 use crate::supervisor::{FailsafeState, GroundState, TouchDownState};
 use crate::time::{INNER_DT, Micros};
 use crate::trajectory::Plan;
+use heapless::Deque;
+
+/// Requests that may wait for the parameters.
+const WAITING: usize = 4;
 
 /// One autopilot.
 #[derive(Clone, Debug)]
@@ -71,6 +76,8 @@ struct State<S: Scalar> {
     echo: Option<usize>,
     /// Whose command the mode still considers.
     considered: Option<Ticket>,
+    /// Asked on the ground while the blocks still follow the parameters.
+    waiting: Deque<Request, WAITING>,
     rate: RateState<S>,
     wrench: Wrench<S>,
     actuation: Actuation<S>,
@@ -154,6 +161,7 @@ impl<S: Scalar> Vehicle<S> {
             link_at: None,
             echo: None,
             considered: None,
+            waiting: Deque::new(),
             rate: RateState::default(),
             wrench: Wrench { thrust: S::zero(), torque: Body(V3::zeros()) },
             actuation: Actuation {
@@ -191,19 +199,13 @@ impl<S: Scalar> Vehicle<S> {
 
     /// Call it after each step, when the pulses are out: makes one block anew that a changed parameter concerns. It
     /// may take as long as a step, but no millisecond has two.
-    pub fn maintain(&mut self) {
-        self.renew();
-    }
-
-    /// Makes one block anew; whether there was one to do.
     #[inline(never)]
-    fn renew(&mut self) -> bool {
+    pub fn maintain(&mut self) {
         let has_renewed = self.config.renew(&mut self.stale, &self.params, self.scale);
         if has_renewed && self.situation.armed_at.is_none() {
             // The place to start from follows from the parameters.
             self.situation.navigation.replace(&self.config.navigation);
         }
-        has_renewed
     }
 
     /// One step; call it at every inertial sample, or at the same rate when the sensor is silent.
@@ -222,10 +224,7 @@ impl<S: Scalar> Vehicle<S> {
             self.state.phase = OuterPhase::Observe;
         }
         self.receive_rod(&sensors);
-        let reply = match &input.request {
-            Some(request) => self.handle(request, at, &mut events),
-            None => self.consider(at, &mut events),
-        };
+        let reply = self.take_up(input.request.as_ref(), at, &mut events);
         if phase == OuterPhase::Fly || sensors.imu.is_none() {
             self.supervise(at, &mut events);
         }

@@ -21,7 +21,45 @@ fn outcome_of(result: Result<(), Refusal>, events: &mut EventQueue) -> Outcome {
 }
 
 impl<S: Scalar> Vehicle<S> {
-    pub(super) fn handle(
+    /// The request of this step, or one that waited, or what the mode still considers.
+    pub(super) fn take_up(
+        &mut self,
+        request: Option<&Request>,
+        at: Moment<'_, S>,
+        events: &mut EventQueue,
+    ) -> Option<Reply> {
+        match request {
+            Some(request) if self.must_wait(request, at) => {
+                let ticket = request.ticket;
+                let refusal = Err(rejected("Busy: parameters are taken in"));
+                let is_full = self.state.waiting.push_back(*request).is_err();
+                is_full.then(|| Reply {
+                    ticket,
+                    outcome: outcome_of(refusal, events),
+                    parameter: None,
+                })
+            }
+            Some(request) => self.handle(request, at, events),
+            None if self.stale.is_empty() && !self.state.waiting.is_empty() => {
+                let request = self.state.waiting.pop_front()?;
+                self.handle(&request, at, events)
+            }
+            None => self.consider(at, events),
+        }
+    }
+
+    /// On the ground whatever is asked after a change of parameters finds all of them: it waits for the blocks, a
+    /// millisecond each. More parameters, and a stop, do not.
+    fn must_wait(&self, request: &Request, at: Moment<'_, S>) -> bool {
+        let is_busy = !self.stale.is_empty() || !self.state.waiting.is_empty();
+        let is_prompt = matches!(
+            request.action,
+            Action::SetParam { .. } | Action::ResetParams | Action::Disarm { .. }
+        );
+        is_busy && !is_prompt && !self.context(at).is_in_air()
+    }
+
+    fn handle(
         &mut self,
         request: &Request,
         at: Moment<'_, S>,
@@ -45,7 +83,7 @@ impl<S: Scalar> Vehicle<S> {
                 parameter = Some(index);
                 self.set_param(index, value, at, events)
             }
-            Action::ResetParams => self.reset_params(at),
+            Action::ResetParams => self.reset_params(),
             Action::Level => self.level(),
         };
         if result.is_ok() && self.state.considered.is_none() && self.mode.is_considering() {
@@ -86,7 +124,7 @@ impl<S: Scalar> Vehicle<S> {
             return Err(rejected("Parameter refused: not in the air"));
         }
         self.params.set(index, value).map_err(|_| denied("Parameter refused: out of range"))?;
-        self.reconfigure(group.map_or(Stale::ALL, Stale::after), at);
+        self.reconfigure(group.map_or(Stale::ALL, Stale::after));
         if group == Some(Group::Pendulum)
             && let Some(text) = gain_warning(&self.params)
         {
@@ -95,26 +133,22 @@ impl<S: Scalar> Vehicle<S> {
         Ok(())
     }
 
-    fn reset_params(&mut self, at: Moment<'_, S>) -> Result<(), Refusal> {
+    fn reset_params(&mut self) -> Result<(), Refusal> {
         if self.situation.armed_at.is_some() {
             return Err(rejected("Reset refused: armed"));
         }
         self.params = Params::default();
-        self.reconfigure(Stale::ALL, at);
+        self.reconfigure(Stale::ALL);
         Ok(())
     }
 
-    /// In the air the blocks follow one by one, in [`Self::maintain`]. On the ground there is time, and whatever is asked
-    /// next finds all of them.
-    fn reconfigure(&mut self, stale: Stale, at: Moment<'_, S>) {
+    /// The blocks follow one by one, in [`Self::maintain`].
+    fn reconfigure(&mut self, stale: Stale) {
         self.stale.add(stale);
         if self.situation.armed_at.is_none() {
             let handover = self.mode.handover_mut();
             handover.heading = S::from_f32(self.params.start_heading);
             handover.tension = S::from_f32(self.params.tension);
-        }
-        if !self.context(at).is_in_air() {
-            while self.renew() {}
         }
     }
 
@@ -125,5 +159,49 @@ impl<S: Scalar> Vehicle<S> {
         self.situation.navigation.relevel();
         self.situation.estimate = self.config.navigation.estimate(&self.situation.navigation);
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sense::ImuScale;
+    use crate::signal::Ticket;
+    use crate::vehicle::StepInput;
+
+    fn ask(vehicle: &mut Vehicle<f32>, action: Action) -> Option<Outcome> {
+        let request = Some(Request { ticket: Ticket::default(), action });
+        let out = *vehicle.step(&StepInput { request, ..StepInput::default() });
+        vehicle.maintain();
+        out.reply.map(|reply| reply.outcome)
+    }
+
+    fn wait(vehicle: &mut Vehicle<f32>) -> Option<Outcome> {
+        (0..20).find_map(|_| {
+            let reply = vehicle.step(&StepInput::default()).reply;
+            vehicle.maintain();
+            reply.map(|reply| reply.outcome)
+        })
+    }
+
+    #[test]
+    fn what_is_asked_on_the_ground_waits_for_the_parameters_and_a_stop_does_not() {
+        let scale = ImuScale { gyro: 1e-3, accel: 5e-3, rate_hz: 1000.0 };
+        let mut vehicle = Vehicle::<f32>::new(Params::default(), scale);
+        let index = Params::index_of(b"VEH_MASS").unwrap();
+        let set = Action::SetParam { index, value: 1.6 };
+        assert_eq!(ask(&mut vehicle, set), Some(Outcome::Accepted));
+        assert_eq!(ask(&mut vehicle, Action::Level), None, "not before its time");
+        assert_eq!(ask(&mut vehicle, set), Some(Outcome::Accepted), "more parameters do not wait");
+        assert!(ask(&mut vehicle, Action::Disarm { force: true }).is_some(), "nor does a stop");
+        assert_eq!(wait(&mut vehicle), Some(Outcome::Accepted), "answered in the end");
+        // More than there is room for are refused, not lost.
+        assert_eq!(ask(&mut vehicle, set), Some(Outcome::Accepted));
+        let answers: [_; 6] = core::array::from_fn(|_| ask(&mut vehicle, Action::Level));
+        assert_eq!(
+            answers,
+            [None, None, None, None, Some(Outcome::Rejected), Some(Outcome::Rejected)]
+        );
+        assert!((0..4).all(|_| wait(&mut vehicle) == Some(Outcome::Accepted)));
     }
 }
