@@ -64,19 +64,23 @@ pub fn flip_link() -> Result<String, String> {
     Ok(program.display().to_string())
 }
 
-/// QEMU for Arm: Debian's package, where there is none yet.
+/// QEMU for Arm.
 pub fn qemu() -> Result<(), String> {
-    const PROGRAM: &str = "qemu-system-arm";
-    if Command::new(PROGRAM).arg("--version").output().is_ok() {
+    debian("qemu-system-arm", "qemu-system-arm")
+}
+
+/// A program of a Debian package, where there is none yet.
+pub fn debian(program: &str, package: &str) -> Result<(), String> {
+    if Command::new(program).arg("--version").output().is_ok() {
         return Ok(());
     }
-    let apt = ["apt-get", "install", "-y", "--no-install-recommends", PROGRAM];
-    println!("installing Debian's package {PROGRAM}");
+    let apt = ["apt-get", "install", "-y", "--no-install-recommends", package];
+    println!("installing Debian's package {package}");
     let is_root = Command::new("id")
         .arg("-u")
         .output()
         .is_ok_and(|out| String::from_utf8_lossy(&out.stdout).trim() == "0");
-    let needs = |e| format!("{e}\nQEMU for Arm is needed: install the package {PROGRAM}");
+    let needs = |e| format!("{e}\n{program} is needed: install the package {package}");
     let as_root = |arguments: &[&str]| match arguments {
         [program, rest @ ..] if is_root => run(program, rest),
         _ => run("sudo", &[&["-n"], arguments].concat()),

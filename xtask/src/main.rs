@@ -8,6 +8,7 @@ mod images;
 mod install;
 mod params;
 mod reach;
+mod speed;
 
 use std::process::{Command, ExitCode};
 
@@ -24,6 +25,8 @@ const USAGE: &str = "usage: cargo xtask TASK
   size           build all images, print flash and static RAM against their limits; --json;
                  --full builds the reference board's with each technique of the core alone
   cost           count instructions per call on emulated cores, write docs/cost.md; --check only compares; --json
+  speed          instructions per simulated millisecond against their limits, simulated seconds per second of
+                 processor time; --mujoco installs MuJoCo from PyPI to compare with its chain
   figures        measure the README's figures by campaigns and experiments and write them; --check only compares
   flash IMAGE    build an image and write it to a board by probe-rs
   emulate        fly the F405 image under QEMU beside the same flights here; further arguments go to
@@ -47,6 +50,8 @@ fn main() -> ExitCode {
         ["cost"] => cost::write(),
         ["cost", "--check"] => cost::check(),
         ["cost", "--json"] => cost::json(),
+        ["speed"] => speed::print(false),
+        ["speed", "--mujoco"] => speed::print(true),
         ["figures"] => figures::write(),
         ["figures", "--check"] => figures::check(),
         ["flash", image] => images::flash(image),

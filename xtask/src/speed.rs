@@ -1,0 +1,93 @@
+//! What simulated time costs: instructions per simulated millisecond, simulated seconds per second of processor time.
+
+use crate::{Outcome, install, root, run};
+use std::process::Command;
+
+const SITL: &str = "target/release/sitl";
+const CHAIN: &str = "tests/clients/mujoco_chain.py";
+const PYTHON: &str = "target/venv/bin/python";
+const CALM: &str = "sitl/scenarios/calm.toml";
+/// Two lengths of the same run, s: the difference leaves out start and take-off.
+const LENGTHS: [u32; 2] = [20, 40];
+
+/// A way to spend simulated time, and the instructions per millisecond that it may take.
+struct Way {
+    name: &'static str,
+    arguments: &'static [&'static str],
+    /// Option that says how long.
+    length: &'static str,
+    limit: u64,
+}
+
+const WAYS: [Way; 3] = [
+    Way {
+        name: "world alone",
+        arguments: &["speed", "--plant"],
+        length: "--seconds",
+        limit: 3_500,
+    },
+    Way {
+        name: "flight of a campaign",
+        arguments: &["speed", "--flights", "1", "--scenario", CALM],
+        length: "--seconds",
+        limit: 9_000,
+    },
+    Way {
+        name: "flight with log and telemetry",
+        arguments: &["--headless", "--log-dir", "target/speed", "--scenario", CALM],
+        length: "--duration",
+        limit: 12_000,
+    },
+];
+
+/// Instructions of a whole run.
+fn count(way: &Way, seconds: u32) -> Result<u64, String> {
+    let out = Command::new("valgrind")
+        .args(["--tool=callgrind", "--callgrind-out-file=/dev/null", SITL])
+        .args(way.arguments)
+        .args([way.length, &seconds.to_string()])
+        .current_dir(root())
+        .output()
+        .map_err(|e| format!("valgrind: {e}"))?;
+    let text = String::from_utf8_lossy(&out.stderr);
+    let after = text.split_once("Collected :").map(|(_, rest)| rest);
+    after
+        .and_then(|rest| rest.split_whitespace().next()?.parse().ok())
+        .ok_or_else(|| format!("{}: valgrind did not count: {text}", way.name))
+}
+
+/// What a program prints.
+fn said(program: &str, arguments: &[&str]) -> Option<String> {
+    let out = Command::new(program).args(arguments).current_dir(root()).output().ok()?;
+    out.status.success().then(|| String::from_utf8_lossy(&out.stdout).trim().to_owned())
+}
+
+/// Counts, measures and prints; with `mujoco` installs that to compare with.
+pub fn print(mujoco: bool) -> Outcome {
+    install::debian("valgrind", "valgrind")?;
+    run("cargo", &["build", "--release", "--locked", "-p", "tautline-sitl"])?;
+    if mujoco {
+        install::python_clients()?;
+        run(PYTHON, &["-m", "pip", "install", "--quiet", "mujoco"])?;
+    }
+    let mut dear = Vec::new();
+    println!("{:<32} {:>15} {:>8}", "", "instructions/ms", "limit");
+    for way in &WAYS {
+        let [short, long] = LENGTHS;
+        let counted = count(way, long)?.saturating_sub(count(way, short)?);
+        let each = counted / u64::from((long - short) * 1000);
+        println!("{:<32} {each:>15} {:>8}", way.name, way.limit);
+        if each > way.limit {
+            dear.push(way.name);
+        }
+    }
+    for arguments in [&["speed", "--plant", "--seconds", "600"][..], &["speed", "--flights", "20"]]
+    {
+        println!("{}: {}", arguments.join(" "), said(SITL, arguments).unwrap_or_default());
+    }
+    match said(PYTHON, &[CHAIN]) {
+        Some(ratio) => println!("MuJoCo, a chain of 10 links at 1 kHz: {ratio} x"),
+        None => println!("MuJoCo is not installed: cargo xtask speed --mujoco"),
+    }
+    if dear.is_empty() { Ok(()) } else { Err(format!("over the limit: {}", dear.join(", "))) }
+}
