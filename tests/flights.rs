@@ -4,7 +4,7 @@
 
 use tautline_firmware::signal::Event;
 use tautline_sitl::campaign::{Limits, fly};
-use tautline_sitl::flight::Progress;
+use tautline_sitl::flight::{Flight, Progress};
 use tautline_sitl::scenario::Scenario;
 use tautline_tests::flight;
 
@@ -88,4 +88,20 @@ fn a_takeoff_beyond_the_tether_is_refused_with_a_reason() {
     assert!(told("Take-off refused: altitude beyond the tether"));
     assert!(matches!(flight.mission.progress(), Progress::Failed(_)));
     assert!(flight.world.environment.plant.ground.is_touching());
+}
+
+#[test]
+fn a_flight_is_the_same_to_the_bit_with_and_without_log_and_telemetry() {
+    let mut gusty = scenario("gusts-3");
+    gusty.mission.truncate(3);
+    let params = gusty.params().unwrap();
+    let mut told = Flight::new(&gusty, params, 5, Vec::new()).unwrap();
+    let mut silent = Flight::unrecorded(&gusty, params, 5).unwrap();
+    told.fly(60.0);
+    silent.fly(60.0);
+    let place = |p: &tautline_sitl::plant::Plant| p.body.position;
+    let (a, b) = (&told.world.environment.plant, &silent.world.environment.plant);
+    assert_eq!(place(a), place(b));
+    assert!(told.finish_log().unwrap().is_some_and(|log| log.len() > 100_000));
+    assert!(silent.finish_log().unwrap().is_none());
 }

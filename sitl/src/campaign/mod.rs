@@ -6,6 +6,8 @@ use crate::flight::{Flight, Progress};
 use crate::metrics::Summary;
 use crate::scenario::Scenario;
 use serde::{Deserialize, Serialize};
+use std::fs::File;
+use std::io::{self, BufWriter};
 use std::path::{Path, PathBuf};
 
 /// A campaign file.
@@ -100,6 +102,19 @@ impl Campaign {
     ) -> Vec<Outcome> {
         parallel::map(seeds, jobs, |&seed| fly(scenario, seed, &self.limits), each)
     }
+}
+
+/// The same flight as [`fly`], with its log in a file.
+///
+/// # Errors
+/// Of the scenario or the file.
+pub fn log(scenario: &Scenario, seed: u64, path: &Path) -> Result<(), String> {
+    let params = scenario.params().map_err(|e| e.0)?;
+    let name = |e: io::Error| format!("{}: {e}", path.display());
+    let file = BufWriter::with_capacity(1 << 16, File::create(path).map_err(name)?);
+    let mut flight = Flight::new(scenario, params, seed, file).map_err(|e| e.0)?;
+    flight.fly(LONGEST);
+    flight.finish_log().map_err(name).map(drop)
 }
 
 /// One flight, checked.

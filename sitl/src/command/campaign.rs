@@ -1,7 +1,7 @@
 //! `cargo sitl campaign`.
 
 use super::Failure;
-use crate::campaign::{Campaign, Outcome};
+use crate::campaign::{self, Campaign, Outcome};
 use clap::Args;
 use std::fs;
 use std::path::PathBuf;
@@ -9,7 +9,7 @@ use std::path::PathBuf;
 /// Options of a campaign.
 #[derive(Debug, Args)]
 #[command(
-    after_help = "Example:\n  cargo sitl campaign sitl/campaigns/gusts-3.toml --jobs 2 --out out"
+    after_help = "Example:\n  cargo sitl campaign sitl/campaigns/gusts-3.toml --jobs 2 --keep --out out"
 )]
 pub struct Options {
     /// Scenario, seeds, limits
@@ -24,6 +24,9 @@ pub struct Options {
     /// Only the first so many seeds
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     seeds: Option<u64>,
+    /// Fly those that fail once more, with a log beside the table
+    #[arg(long)]
+    keep: bool,
     /// Where the table goes
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
@@ -107,6 +110,13 @@ pub fn run(options: &Options) -> Result<(), Failure> {
     let json = serde_json::to_string_pretty(&outcomes).map_err(|e| Failure::Run(e.to_string()))?;
     fs::write(&file, json).map_err(|e| Failure::Run(format!("{}: {e}", file.display())))?;
     say!("Table: {}", file.display());
+    if options.keep {
+        for outcome in outcomes.iter().filter(|outcome| !outcome.pass) {
+            let log = out.join(format!("seed-{}.ulg", outcome.seed));
+            campaign::log(&scenario, outcome.seed, &log).map_err(Failure::Run)?;
+            say!("Log: {}", log.display());
+        }
+    }
     if failed > 0 {
         Err(Failure::Run(format!("{failed} of {} flights failed", outcomes.len())))
     } else {
