@@ -91,7 +91,7 @@ fn at_rest_on_a_taut_tether_the_accelerometer_shows_down_and_the_filter_its_pull
         let force = plant.specific_force;
         let down = tilt.inverse() * V3::z();
         assert!((force + down * 9.81).norm() < 0.4, "{force} is not up");
-        assert!((plant.tether.tension - tension).abs() < 0.3);
+        assert!((plant.tether.tension() - tension).abs() < 0.3);
 
         let mut state = Ekf4State::at(place, tension);
         let z = Ekf4Measurement {

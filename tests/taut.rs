@@ -169,7 +169,7 @@ fn a_tether_set_point_becomes_a_smooth_move_of_elevation_and_force() {
         })
     });
     run(&mut flight, 4.0);
-    assert!((flight.world.environment.plant.tether.tension - 8.0).abs() < 1.0);
+    assert!((flight.world.environment.plant.tether.tension() - 8.0).abs() < 1.0);
     assert!(!heard(&flight, "refused"), "{:?}", flight.events);
 }
 

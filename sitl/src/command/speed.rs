@@ -57,7 +57,7 @@ fn hover(scenario: &Scenario, seconds: f64) -> f64 {
     let lift = (v.mass * crate::plant::GRAVITY + tension) / model.rotor.hubs.len() as f64;
     let throttle = vec![(lift / most).powf(0.5 / v.throttle_curve); model.rotor.hubs.len()];
     let mut start = Plant::new(model, 1.0, 0.0, 1);
-    start.body.position = V3::new(1.0, 0.0, -5.0);
+    start.hang(V3::new(1.0, 0.0, -5.0));
     let mut plant = start.clone();
     let ticks = (seconds / TICK).round() as u32;
     for tick in 0..ticks {

@@ -188,7 +188,7 @@ fn picture(settings: &Overrides) -> Result<Vec<grid::Cell>, String> {
             reference_west,
             west,
             estimate_west,
-            plant.tether.tension,
+            plant.tether.tension(),
             f64::from(angle.tension),
         ];
         for (points, value) in series.iter_mut().zip(values) {

@@ -101,10 +101,17 @@ impl Environment {
         for (throttle, esc) in throttle.iter_mut().zip(escs) {
             *throttle = esc.throttle();
         }
-        self.plant.model_mut().tether.is_broken = self.is_active(FaultKind::TetherBroken);
         let time = self.clock.now_us() as f64 * 1e-6;
         if let Some(charge) = self.faults.value(FaultKind::BatteryAt, time) {
             self.plant.battery.charge = self.plant.battery.charge.min(charge.clamp(0.0, 1.0));
+        }
+        let broken_at = self.faults.value(FaultKind::TetherBroken, time);
+        let tether = &mut self.plant.model_mut().tether;
+        tether.is_broken = broken_at.is_some();
+        tether.broken_at = broken_at.unwrap_or(tether.broken_at);
+        match self.faults.value(FaultKind::Snag, time) {
+            Some(share) => self.plant.catch_line(share),
+            None => self.plant.tether.release(),
         }
         self.plant.step(&throttle, winch);
         self.clock.advance_to(self.clock.now_us() + STEP_US);

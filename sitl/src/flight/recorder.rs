@@ -145,7 +145,7 @@ fn true_tether(timestamp: u64, plant: &Plant) -> TetherState {
         elevation: (-p.z).atan2(p.x.hypot(p.y)) as f32,
         azimuth: p.y.atan2(p.x) as f32,
         length: p.norm() as f32,
-        tension: plant.tether.tension as f32,
-        taut: plant.tether.tension > 0.0,
+        tension: plant.tether.tension() as f32,
+        taut: plant.tether.tension() > 0.0,
     }
 }

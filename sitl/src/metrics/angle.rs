@@ -48,7 +48,7 @@ impl AngleMetrics {
             return;
         };
         self.time += DT;
-        self.slack = if plant.tether.tension < 0.05 { self.slack + DT } else { 0.0 };
+        self.slack = if plant.tether.tension() < 0.05 { self.slack + DT } else { 0.0 };
         if self.slack > SLACK_TIME {
             self.lost.get_or_insert("slack for over a second");
         }
@@ -71,7 +71,7 @@ impl AngleMetrics {
             }
         }
         self.count += 1.0;
-        self.tension.add(f64::from(angle.tension) - plant.tether.tension);
+        self.tension.add(f64::from(angle.tension) - plant.tether.tension());
     }
 
     /// The figures; `None` if the mode was not flown for long.

@@ -130,7 +130,7 @@ impl Metrics {
             self.estimate_horizontal.add(error.x.hypot(error.y));
         }
         if let Some(tether) = out.estimate.tether {
-            self.tension.add(f64::from(tether.tension) - plant.tether.tension);
+            self.tension.add(f64::from(tether.tension) - plant.tether.tension());
         }
         if let Some(reference) = out.reference {
             let error = plant.from_anchor() - reference.position.0.map(f64::from);

@@ -68,7 +68,7 @@ impl Default for TautMetrics {
 impl TautMetrics {
     /// One look.
     pub fn step(&mut self, out: &StepOutput, plant: &Plant) {
-        let tension = plant.tether.tension;
+        let tension = plant.tether.tension();
         self.force += (tension - self.force) * (DT / FORCE_MEAN);
         let (Some(reference), Some(taut)) = (out.taut_reference, out.taut) else {
             self.time = 0.0;

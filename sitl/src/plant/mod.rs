@@ -24,7 +24,7 @@ pub use integrate::runge_kutta;
 pub use push::Push;
 pub use rod::{Rod, RodModel, RodPhase};
 pub use rotor::{Hub, Rotor, RotorModel};
-pub use tether::{Tether, TetherModel, WinchModel};
+pub use tether::{Chain, Drum, End, Grip, Material, Tether, TetherModel, WinchModel};
 pub use wind::{Gusts, Wind, WindModel};
 
 use crate::scenario::Scenario;
@@ -47,6 +47,9 @@ pub const TICK: f64 = 1e-3;
 pub const SUBSTEPS: u32 = 4;
 /// Physics step, s.
 pub const DT: f64 = TICK / SUBSTEPS as f64;
+
+/// Ticks between two looks at how far the vehicle has turned on its line.
+const TWIST_EVERY: u64 = 20;
 
 /// A generator of its own for each part of the world, so that a part that draws more often does not
 /// shift the others.
@@ -127,7 +130,7 @@ pub struct Plant {
     pub battery: Battery,
     /// Specific force at the centre of mass, body axes, m/s², mean over the last millisecond.
     pub specific_force: V3,
-    time: f64,
+    ticks: u64,
 }
 
 impl Plant {
@@ -140,10 +143,11 @@ impl Plant {
         let common = uniform(&mut rng) * model.rotor.common_gain_error;
         let draw = |_: &Hub| Rotor::new(1.0 + common + uniform(&mut rng) * model.rotor.gain_error);
         let rotors = model.rotor.hubs.iter().map(draw).collect();
+        let end = place + V3::new(0.0, 0.0, model.tether.attachment);
         Self {
             body: Body::at(place, heading),
             rotors,
-            tether: Tether::new(&model.tether, &mut rng),
+            tether: Tether::new(&model.tether, &end, &mut rng),
             anchor: Anchor::default(),
             wind: Wind::default(),
             rod: model.rod.clone().map(Rod::held),
@@ -151,10 +155,17 @@ impl Plant {
             ground: Ground::default(),
             battery: Battery::new(&model.battery),
             specific_force: V3::zeros(),
-            time: 0.0,
+            ticks: 0,
             model,
             rng,
         }
+    }
+
+    /// Hangs it at rest in the air, its line straight.
+    pub fn hang(&mut self, position: V3) {
+        self.body.position = position;
+        let end = self.end();
+        self.tether.lay(&self.model.tether, &end);
     }
 
     /// One millisecond with these throttles and this tension set-point for the winch.
@@ -165,11 +176,16 @@ impl Plant {
         for (rotor, &u) in self.rotors.iter_mut().zip(throttle) {
             rotor.command(&self.model.rotor, u, voltage);
         }
-        self.tether.drive(&self.model.tether, winch_tension, self.time, TICK);
+        let time = self.ticks as f64 * TICK;
+        self.tether.drive(&self.model.tether, winch_tension, time);
         for _ in 0..SUBSTEPS {
             force_sum += self.substep(wind);
         }
-        self.time += TICK;
+        if self.ticks.is_multiple_of(TWIST_EVERY) {
+            let (nose, way) = (self.body.attitude * V3::x(), self.from_anchor());
+            self.tether.turn(nose.y.atan2(nose.x) - way.y.atan2(way.x));
+        }
+        self.ticks += 1;
         self.specific_force = force_sum / (f64::from(SUBSTEPS) * self.model.body.mass);
         let power: f64 = self.rotors.iter().map(|r| r.power(&self.model.rotor)).sum();
         self.battery.step(&self.model.battery, power, TICK);
@@ -196,27 +212,40 @@ impl Plant {
         let mut force_body = m.body.drag(&air);
         force_body.z -= thrust;
 
-        // The attachment is below the centre of mass: cross products with (0, 0, arm).
-        let arm = m.tether.attachment;
-        let rate = self.body.rate;
-        self.anchor.step(DT);
-        let end = self.end_in(&rotation);
-        let swing = rotation * V3::new(rate.y * arm, -rate.x * arm, 0.0);
-        let end_velocity = self.body.velocity + swing - self.anchor.velocity;
-        let mut force = self.tether.pull(&m.tether, &end, &end_velocity, &wind);
-        let pull = rotation.inverse_transform_vector(&force);
-        torque.x -= arm * pull.y;
-        torque.y += arm * pull.x;
-
         let (support, support_torque) = self.ground.step(&m.ground, &self.body, &rotation);
-        force += support;
         torque += support_torque;
-
+        let mut force = support + rotation * force_body;
         if let Some(push) = &mut self.push {
             push.step(self.body.height(), DT);
             force += push.force();
         }
-        force += rotation * force_body;
+
+        // The attachment is below the centre of mass: cross products with (0, 0, arm).
+        let arm = m.tether.attachment;
+        let rate = self.body.rate;
+        self.anchor.step(DT);
+        let swing = rotation * V3::new(rate.y * arm, -rate.x * arm, 0.0);
+        let down = rotation.matrix().column(2);
+        let end = End {
+            position: self.body.position + down * arm,
+            velocity: self.body.velocity + swing,
+            force,
+            mass: m.body.mass,
+            turns: arm * arm / m.body.inertia.x,
+            down: down.into(),
+        };
+        let base = (self.anchor.position, self.anchor.velocity);
+        let wind_at = |_: f64| wind;
+        let grip = self.tether.step(&m.tether, base, &end, &wind_at);
+        let mut pull_world = grip.force;
+        if grip.mass > 0.0 {
+            // Line that moves with the vehicle hangs on its attachment with its weight and its inertia.
+            pull_world -= (force + grip.force) * (grip.mass / (m.body.mass + grip.mass));
+        }
+        let pull = rotation.inverse_transform_vector(&pull_world);
+        torque.x -= arm * pull.y;
+        torque.y += arm * pull.x;
+        force += pull_world;
         if let Some(rod) = &mut self.rod {
             force += rod.step(&force, m.body.mass, DT);
         }
@@ -227,6 +256,11 @@ impl Plant {
     fn end_in(&self, rotation: &Rotation3<f64>) -> V3 {
         let down = rotation.matrix().column(2) * self.model.tether.attachment;
         self.body.position + down - self.anchor.position
+    }
+
+    /// The line catches on something, at a `share` of its length from the station.
+    pub fn catch_line(&mut self, share: f64) {
+        self.tether.catch(&self.anchor.position, share);
     }
 
     /// Attachment of the tether from its anchor, m.

@@ -46,25 +46,6 @@ fn a_free_fall_without_air_keeps_its_energy_and_feels_nothing() {
 }
 
 #[test]
-fn a_fixed_tether_pulls_only_when_stretched_and_then_towards_the_anchor() {
-    let mut p = plant(|s| s.tether.kind = crate::scenario::TetherKind::Fixed);
-    let length = p.model.tether.length;
-    let model = p.model.tether.clone();
-    let still = V3::zeros();
-    let at = |x: f64| V3::new(0.6, 0.0, -0.8) * x;
-    let slack = p.tether.pull(&model, &at(length - 0.01), &still, &still);
-    assert!(slack.x.abs() < 1e-12 && p.tether.tension.abs() < 1e-12);
-    let taut = p.tether.pull(&model, &at(length + 0.02), &still, &still);
-    let expected = model.stiffness / length * 0.02;
-    assert!((p.tether.tension - expected).abs() < 1e-9);
-    assert!((taut.x + 0.6 * expected).abs() < 1e-9);
-    // Rushing inwards, the damper may not push.
-    let closing = -at(30.0);
-    p.tether.pull(&model, &at(length + 1e-4), &closing, &still);
-    assert!(p.tether.tension >= 0.0);
-}
-
-#[test]
 fn gusts_have_the_strength_that_the_standard_gives() {
     let model = WindModel { speed: 5.0, from: 0.3, gusts: Gusts::Dryden, pulse: 0.0 };
     let mut rng = Pcg64Mcg::new(7);

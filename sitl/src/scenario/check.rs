@@ -1,6 +1,6 @@
 //! Every number of a scenario within its range, before the first step.
 
-use super::{Scenario, Step, set_param};
+use super::{LineModel, Scenario, Step, TetherKind, set_param};
 use tautline_firmware::param::Params;
 
 impl Scenario {
@@ -8,6 +8,11 @@ impl Scenario {
     pub(super) fn check(&self) -> Result<(), String> {
         self.vehicle.check()?;
         self.tether.check()?;
+        if self.tether.model == LineModel::Chain
+            && !matches!(self.tether.kind, TetherKind::Winch | TetherKind::Fixed)
+        {
+            return Err("tether.model = \"chain\" wants kind = \"winch\" or \"fixed\"".into());
+        }
         self.capture.check()?;
         self.rod.check()?;
         self.push.check()?;

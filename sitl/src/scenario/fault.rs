@@ -18,8 +18,10 @@ pub enum FaultKind {
     BarometerLost,
     /// Both altimeters silent.
     AltimeterLost,
-    /// The line is cut.
+    /// The line is cut, at `value` (0..1) of its length from the station; a straight one is gone whole.
     TetherBroken,
+    /// The line is caught on something, at `value` (0..1) of its length from the station.
+    Snag,
     /// The winch no longer reports its length.
     WinchSilent,
     /// The battery is at `value` (0..1) of its charge.

@@ -46,6 +46,12 @@ impl KeyValue for Option<f64> {
     }
 }
 
+impl KeyValue for u64 {
+    fn check(&self, path: &str, range: Option<(f64, f64)>) -> Result<(), String> {
+        range.map_or(Ok(()), |(min, max)| within(path, *self as f64, min, max))
+    }
+}
+
 /// Types whose every value is accepted.
 macro_rules! unlimited {
     ($($type:ty),+) => {
@@ -56,7 +62,7 @@ macro_rules! unlimited {
         })+
     };
 }
-unlimited!(bool, u64, super::TetherKind, super::DisturbanceKind);
+unlimited!(bool, super::LineModel, super::TetherKind, super::DisturbanceKind);
 
 /// Declares all sections; see `sections.rs`.
 macro_rules! sections {

@@ -19,8 +19,8 @@ pub use fault::{FaultKind, FaultSection, Faults, Source};
 pub use key::Key;
 pub use mission::{Step, TautControl};
 pub use sections::{
-    BatterySection, CaptureSection, DisturbanceKind, PushSection, RodSection, SensorSection,
-    TetherKind, TetherSection, VehicleSection, WindSection, keys,
+    BatterySection, CaptureSection, DisturbanceKind, LineModel, PushSection, RodSection,
+    SensorSection, TetherKind, TetherSection, VehicleSection, WindSection, keys,
 };
 
 use serde::{Deserialize, Serialize};
@@ -166,6 +166,8 @@ mod tests {
             for beyond in [min - 1.0, 2.0 * max + 1.0] {
                 let value = match default {
                     Some(toml::Value::Array(_)) => format!("[{max:?}, {beyond:?}, {max:?}]"),
+                    // Below zero its type refuses it.
+                    Some(toml::Value::Integer(_)) => format!("{}", beyond.abs() + max),
                     _ => format!("{beyond:?}"),
                 };
                 let text = format!("[{}]\n{} = {value}", key.section, key.name);

@@ -34,6 +34,17 @@ impl TetherKind {
     }
 }
 
+/// How the line is simulated.
+#[derive(Clone, Copy, Debug, Default, Deserialize, Serialize, PartialEq, Eq)]
+#[serde(rename_all = "lowercase")]
+pub enum LineModel {
+    /// A straight link.
+    #[default]
+    Straight,
+    /// Segments that weigh, sag, swing and lie on the ground.
+    Chain,
+}
+
 /// What pushes on the vehicle.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -88,6 +99,10 @@ sections! {
     "tether" TetherSection {
         /// winch, fixed, strut, bar or none.
         kind: TetherKind [""] = TetherKind::Winch;
+        /// straight or chain; only a winch's or a fixed line can be a chain.
+        model: LineModel [""] = LineModel::Straight;
+        /// Segments of a chain; 0 = one for each 6 m of the longest line, from 5 to 20.
+        segments: u64 [""] = 0, in 0.0 ..= 50.0;
         /// Length when fixed or rigid.
         length: f64 ["m"] = 10.0, in 1.0 ..= 200.0;
         /// Stiffness EA.
@@ -112,6 +127,14 @@ sections! {
         winch_friction: f64 ["N"] = 0.3, in 0.0 ..= 20.0;
         /// Ripple of the winch's tension.
         winch_ripple: f64 ["N"] = 0.15, in 0.0 ..= 20.0;
+        /// What moves with the line at the winch: drum, line on it, gear and motor. Only a chain feels it.
+        winch_inertia: f64 ["kg"] = 0.5, in 0.01 ..= 1000.0;
+        /// Gain of the winch's loop over its load cell. Only for a chain.
+        winch_gain: f64 [""] = 2.0, in 0.0 ..= 20.0;
+        /// Most that the winch's motor pulls. Only for a chain.
+        winch_force_max: f64 ["N"] = 60.0, in 0.1 ..= 10_000.0;
+        /// Fastest line of the winch. Only for a chain.
+        winch_speed_max: f64 ["m/s"] = 4.0, in 0.01 ..= 50.0;
         /// Longest line on the winch.
         winch_length_max: f64 ["m"] = 60.0, in 1.0 ..= 500.0;
     }

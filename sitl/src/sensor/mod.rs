@@ -158,7 +158,7 @@ impl SensorSuite {
 
     fn winch_length(&mut self, plant: &Plant) -> RawTether {
         let length =
-            plant.tether.distance + self.noise.length_noise * crate::plant::normal(&mut self.rng);
+            plant.tether.length() + self.noise.length_noise * crate::plant::normal(&mut self.rng);
         RawTether { length_mm: (length.max(0.0) * 1000.0).round() as i32 }
     }
 }

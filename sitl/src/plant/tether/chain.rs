@@ -1,0 +1,500 @@
+//! A line that weighs: segments with mass, stretch, damping and drag, from a drum or a fixed point to the vehicle.
+//!
+//! The mesh follows the line: whatever is paid out, there are `n` segments of the same unstretched length, and the
+//! nodes move along the line at `(1 - i/n)` of the drum's speed. So no segment appears or disappears, and nothing
+//! jumps. A node's velocity is that of the matter at it; what flows past it brings its momentum along.
+//!
+//! Along the line one step is implicit: with `g = k (dt + β)`, `T = k e + g ė` at the step's end is a tridiagonal system
+//! for the tensions (coupled by the nodes' masses, the drum's and the vehicle's), so that stiffness asks for no tiny
+//! steps. Across the line, where frequencies are low, it is symplectic Euler. A segment that would push has no
+//! tension. Weight, air and flow are looked up every other step.
+
+use super::super::{GRAVITY, V3};
+use super::drag::drag;
+use super::station::Drum;
+
+/// What the line is made of.
+#[derive(Clone, Copy, Debug)]
+pub struct Material {
+    /// kg/m.
+    pub density: f64,
+    /// Axial stiffness EA, N.
+    pub stiffness: f64,
+    /// Damping per stiffness, s.
+    pub relaxation: f64,
+    /// m.
+    pub diameter: f64,
+}
+
+/// The vehicle's end, and what the line can move there.
+#[derive(Clone, Copy, Debug)]
+pub struct End {
+    /// Of the attachment, world axes, m.
+    pub position: V3,
+    /// Of the attachment, world axes, m/s.
+    pub velocity: V3,
+    /// On the vehicle but for weight and line, world axes, N.
+    pub force: V3,
+    /// Of the vehicle, kg; infinite: it does not give way.
+    pub mass: f64,
+    /// What a pull across `down` turns: arm squared per moment of inertia, 1/kg.
+    pub turns: f64,
+    /// The attachment from the centre of mass, unit vector.
+    pub down: V3,
+}
+
+/// A point of the line.
+#[derive(Clone, Copy, Debug)]
+struct Node {
+    position: V3,
+    velocity: V3,
+    /// By weight, air and flow of the line, m/s².
+    acceleration: V3,
+    /// 1/kg.
+    mobility: f64,
+}
+
+/// Between two nodes.
+#[derive(Clone, Copy, Debug, Default)]
+struct Segment {
+    /// Towards the vehicle.
+    along: V3,
+    /// Cosine of the bend from the one below.
+    bend: f64,
+    tension: f64,
+    is_taut: bool,
+    // Of the elimination: right side before it, what the row below takes of this tension, right side after it.
+    wanted: f64,
+    carry: f64,
+    right: f64,
+}
+
+/// A segment as it is found, until the node at its upper end is dealt with.
+struct Found {
+    along: V3,
+    half_drag: V3,
+    /// Velocity of its upper end from the lower's, m/s.
+    widening: V3,
+    /// Rate at which it would have to shorten, m/s.
+    pulled: f64,
+    /// Of its lower end, predicted, m/s.
+    low: V3,
+}
+
+/// The whole line.
+#[derive(Clone, Debug)]
+pub struct Chain {
+    /// The first at the station, the last at the vehicle.
+    nodes: Vec<Node>,
+    segments: Vec<Segment>,
+    /// Unstretched length paid out, m.
+    length: f64,
+    /// Its rate, m/s.
+    pay_out: f64,
+    /// At the drum or the fixed end, N.
+    station_tension: f64,
+    /// Direction in which it leaves there.
+    leaves: V3,
+    /// Half of the drag of the last segment, N.
+    end_drag: V3,
+    /// The next step looks anew; the one after it goes on under the forces found.
+    looks: bool,
+    /// The lower end hangs free.
+    is_cut: bool,
+    /// A node that is caught on something.
+    caught: Option<usize>,
+}
+
+/// Friction of a line that lies on the ground.
+const GROUND_FRICTION: f64 = 0.5;
+/// A segment of a line that is all reeled in, m.
+const SHORTEST_SEGMENT: f64 = 0.01;
+/// Passes over the tensions until no segment pushes.
+const PASSES: usize = 3;
+
+impl Chain {
+    /// Laid out at rest with `length` m paid out; `place` of a share of it from the station, world axes, m.
+    #[must_use]
+    pub fn new(segments: usize, length: f64, place: impl Fn(f64) -> V3) -> Self {
+        let node = |i: usize| Node {
+            position: place(i as f64 / segments as f64),
+            velocity: V3::zeros(),
+            acceleration: V3::zeros(),
+            mobility: 0.0,
+        };
+        Self {
+            nodes: (0..=segments).map(node).collect(),
+            segments: vec![Segment::default(); segments],
+            length,
+            pay_out: 0.0,
+            station_tension: 0.0,
+            leaves: V3::zeros(),
+            end_drag: V3::zeros(),
+            looks: true,
+            is_cut: false,
+            caught: None,
+        }
+    }
+
+    /// Unstretched length from the station or the cut to the vehicle, m.
+    #[must_use]
+    pub fn length(&self) -> f64 {
+        self.length
+    }
+
+    /// How fast the drum pays out, m/s.
+    #[must_use]
+    pub fn pay_out(&self) -> f64 {
+        self.pay_out
+    }
+
+    /// At the station, N.
+    #[must_use]
+    pub fn station_tension(&self) -> f64 {
+        if self.is_cut { 0.0 } else { self.station_tension }
+    }
+
+    /// At the vehicle, N.
+    #[must_use]
+    pub fn tension(&self) -> f64 {
+        self.segments.last().map_or(0.0, |segment| segment.tension)
+    }
+
+    /// Direction in which the line leaves the station; zero: nothing is there.
+    #[must_use]
+    pub fn leaves(&self) -> V3 {
+        if self.is_cut { V3::zeros() } else { self.leaves }
+    }
+
+    /// Direction in which it arrives at the vehicle.
+    #[must_use]
+    pub fn arrives(&self) -> V3 {
+        self.segments.last().map_or(V3::zeros(), |segment| segment.along)
+    }
+
+    /// Mass that moves with the vehicle, kg: half of the last segment.
+    #[must_use]
+    pub fn end_mass(&self, density: f64) -> f64 {
+        0.5 * density * self.segment_length()
+    }
+
+    /// Force of the last segment on the vehicle but for the weight and inertia of [`Self::end_mass`], N.
+    #[must_use]
+    pub fn end_force(&self) -> V3 {
+        self.segments.last().map_or(V3::zeros(), |last| self.end_drag - last.along * last.tension)
+    }
+
+    /// World axes, m, from the station to the vehicle.
+    pub fn points(&self) -> impl Iterator<Item = V3> {
+        self.nodes.iter().map(|node| node.position)
+    }
+
+    /// Kinetic, elastic and potential energy, J; what moves with the vehicle is its own.
+    #[must_use]
+    pub fn energy(&self, material: &Material) -> f64 {
+        let rest = self.segment_length();
+        let mass = material.density * rest;
+        let inner = self.nodes.get(1..self.segments.len()).unwrap_or(&[]);
+        let moved: f64 = inner
+            .iter()
+            .map(|n| mass * (0.5 * n.velocity.norm_squared() - GRAVITY * n.position.z))
+            .sum();
+        let spring = 0.5 * material.stiffness / rest;
+        let stretch = |[a, b]: &[Node; 2]| ((b.position - a.position).norm() - rest).max(0.0);
+        let stretched: f64 =
+            self.nodes.array_windows().map(|ends| spring * stretch(ends).powi(2)).sum();
+        moved + stretched
+    }
+
+    /// Cuts it at a `share` of its length from the station: what hangs on the vehicle is left.
+    pub fn cut(&mut self, share: f64) {
+        if self.is_cut {
+            return;
+        }
+        let lost = self.index(share, self.segments.len().saturating_sub(1));
+        let rest = self.segment_length();
+        self.nodes.drain(..lost);
+        self.segments.drain(..lost);
+        self.length = rest * self.segments.len() as f64;
+        self.caught = self.caught.and_then(|node| node.checked_sub(lost));
+        self.pay_out = 0.0;
+        self.is_cut = true;
+    }
+
+    /// Catches it on something where it is now, at a `share` of its length from the station.
+    pub fn catch(&mut self, share: f64) {
+        if self.caught.is_none() {
+            self.caught = Some(self.index(share, self.segments.len().saturating_sub(1)).max(1));
+        }
+    }
+
+    /// Whatever caught it lets go.
+    pub fn release(&mut self) {
+        self.caught = None;
+    }
+
+    fn index(&self, share: f64, most: usize) -> usize {
+        ((share.clamp(0.0, 1.0) * self.segments.len() as f64).round() as usize).min(most)
+    }
+
+    fn segment_length(&self) -> f64 {
+        (self.length / self.segments.len().max(1) as f64).max(SHORTEST_SEGMENT)
+    }
+
+    /// `dt` s ahead. `drum`: none when the lower end is fixed. `wind`: air velocity at a height, m/s.
+    pub fn step(
+        &mut self,
+        material: &Material,
+        drum: Option<Drum>,
+        base: (V3, V3),
+        end: &End,
+        wind: &impl Fn(f64) -> V3,
+        dt: f64,
+    ) {
+        if self.segments.is_empty() {
+            return;
+        }
+        let rest = self.segment_length();
+        let drum = drum.filter(|_| !self.is_cut && self.caught.is_none());
+        self.lead_lower_end(material, rest, drum, base, dt);
+        self.lead_upper_end(material, rest, end, dt);
+        if self.looks {
+            self.look(material, rest, wind, dt);
+        } else {
+            self.go_on(material, rest, dt);
+        }
+        self.looks = !self.looks;
+        for _ in 0..PASSES {
+            if self.pull(material, rest, dt) {
+                break;
+            }
+        }
+        self.advance(drum, dt);
+        self.weigh_at_station(material.density * rest * GRAVITY);
+    }
+
+    /// The station's end, and its velocity at the step's end if nothing pulled.
+    fn lead_lower_end(
+        &mut self,
+        material: &Material,
+        rest: f64,
+        drum: Option<Drum>,
+        base: (V3, V3),
+        dt: f64,
+    ) {
+        let (Some(first), Some(lowest)) = (self.nodes.first_mut(), self.segments.first()) else {
+            return;
+        };
+        if self.is_cut {
+            first.mobility = 2.0 / (material.density * rest);
+            first.velocity += DOWN * dt;
+            return;
+        }
+        (first.position, first.mobility) = (base.0, 0.0);
+        match drum {
+            None => self.pay_out = 0.0,
+            Some(drum) => {
+                // Beside the tension of the lowest segment, as it was.
+                let held_back = self.station_tension - lowest.tension;
+                let pull = drum.pull(self.station_tension);
+                let own = drum.model.inertia;
+                let inertia = own + dt * drum.friction_per_speed(self.pay_out);
+                self.pay_out = (own * self.pay_out + dt * (held_back - pull)) / inertia;
+                first.mobility = 1.0 / inertia;
+            }
+        }
+        first.velocity = base.1 + lowest.along * self.pay_out;
+    }
+
+    /// The vehicle's end, and its velocity at the step's end if the line did not pull.
+    fn lead_upper_end(&mut self, material: &Material, rest: f64, end: &End, dt: f64) {
+        let (Some(last), Some(highest)) = (self.nodes.last_mut(), self.segments.last()) else {
+            return;
+        };
+        let mobility = 1.0 / (end.mass + 0.5 * material.density * rest);
+        (last.position, last.velocity) = (end.position, end.velocity);
+        if mobility > 0.0 {
+            last.velocity += (end.force * mobility + DOWN) * dt;
+        }
+        let across = 1.0 - highest.along.dot(&end.down).powi(2);
+        last.mobility = mobility + end.turns * across;
+    }
+
+    /// Each segment as it is, and the velocities of the nodes between at the step's end if no segment pulled.
+    fn look(&mut self, material: &Material, rest: f64, wind: &impl Fn(f64) -> V3, dt: f64) {
+        let per_reach = 1.0 / (dt + material.relaxation);
+        let weight = material.density * rest;
+        // Where short segments pull hard, a step is too long for their swing: inertia, not weight, makes up.
+        let mass = weight.max(2.0 * self.tension() * dt * dt / rest);
+        let each = self.pay_out / self.segments.len() as f64;
+        let mut flow = self.pay_out;
+        let caught = self.caught.unwrap_or(usize::MAX);
+
+        let per_mass = 1.0 / mass;
+        let per_spacing = 0.5 / rest;
+
+        let mut nodes = self.nodes.iter_mut();
+        let Some(mut low) = nodes.next() else { return };
+        let mut below: Option<(&mut Segment, Found)> = None;
+        for (i, (segment, high)) in self.segments.iter_mut().zip(nodes).enumerate() {
+            let span = segment.turn(&(high.position - low.position));
+            let widening = high.velocity - low.velocity;
+            let height = -0.5 * (low.position.z + high.position.z);
+            let air = low.velocity + widening * 0.5 - wind(height);
+            let half_drag = drag(material.diameter, 0.5 * rest, &segment.along, &air);
+            match below {
+                // The free end of a cut line; a drum or a fixed point does not mind.
+                None if self.is_cut => low.velocity += half_drag * (low.mobility * dt),
+                None => {}
+                Some((segment_below, found)) => {
+                    flow -= each;
+                    low.mobility = per_mass;
+                    low.acceleration = (found.half_drag + half_drag + DOWN * weight) * per_mass
+                        - (found.widening + widening) * (flow * per_spacing);
+                    low.velocity += low.acceleration * dt;
+                    if i == caught {
+                        (low.velocity, low.acceleration) = (V3::zeros(), V3::zeros());
+                        low.mobility = 0.0;
+                    } else if low.position.z >= 0.0 {
+                        rest_on_ground(&mut low.velocity);
+                    }
+                    segment.bend = segment.along.dot(&found.along);
+                    segment_below.want(found.pulled, &(low.velocity - found.low));
+                }
+            }
+            let found = Found {
+                along: segment.along,
+                half_drag,
+                widening,
+                pulled: (span - rest) * per_reach,
+                low: low.velocity,
+            };
+            below = Some((segment, found));
+            low = high;
+        }
+        if let Some((highest, found)) = below {
+            highest.want(found.pulled, &(low.velocity - found.low));
+            self.end_drag = found.half_drag;
+        }
+    }
+
+    /// The same under the forces found by the last look.
+    fn go_on(&mut self, material: &Material, rest: f64, dt: f64) {
+        let per_reach = 1.0 / (dt + material.relaxation);
+        let inner = self.segments.len().saturating_sub(1);
+        for node in self.nodes.iter_mut().skip(1).take(inner) {
+            node.velocity += node.acceleration * dt;
+        }
+        let mut below = V3::zeros();
+        for (segment, [low, high]) in self.segments.iter_mut().zip(self.nodes.array_windows()) {
+            let span = segment.turn(&(high.position - low.position));
+            segment.bend = segment.along.dot(&below);
+            below = segment.along;
+            segment.want((span - rest) * per_reach, &(high.velocity - low.velocity));
+        }
+    }
+
+    /// Tensions at the step's end; whether none of them pushes.
+    fn pull(&mut self, material: &Material, rest: f64, dt: f64) -> bool {
+        let give = rest / (material.stiffness * (dt + material.relaxation));
+        // Nothing below the lowest one.
+        let (mut carried_on, mut right) = (0.0, 0.0);
+        for (segment, [low, high]) in self.segments.iter_mut().zip(self.nodes.array_windows()) {
+            if !segment.is_taut {
+                (segment.carry, carried_on, right) = (0.0, 0.0, 0.0);
+                continue;
+            }
+            // `carried_on`: one over the row below's own share; zero without such a row.
+            let coupling = -dt * low.mobility * segment.bend;
+            segment.carry = coupling * carried_on;
+            let own = give + dt * (low.mobility + high.mobility) - coupling * segment.carry;
+            carried_on = 1.0 / own;
+            right = (segment.wanted - coupling * right) * carried_on;
+            segment.right = right;
+        }
+        let (mut above, mut pushes) = (0.0, false);
+        for segment in self.segments.iter_mut().rev() {
+            segment.tension = if segment.is_taut { segment.right - above } else { 0.0 };
+            if segment.tension < 0.0 {
+                (segment.tension, segment.is_taut, pushes) = (0.0, false, true);
+            }
+            above = segment.carry * segment.tension;
+        }
+        !pushes
+    }
+
+    fn advance(&mut self, drum: Option<Drum>, dt: f64) {
+        let share = 1.0 / self.segments.len() as f64;
+        if let (Some(first), Some(segment)) = (self.nodes.first_mut(), self.segments.first()) {
+            if self.is_cut {
+                first.velocity += segment.along * (segment.tension * first.mobility * dt);
+                first.position += first.velocity * dt;
+                if first.position.z >= 0.0 {
+                    rest_on_ground(&mut first.velocity);
+                    first.position.z = 0.0;
+                }
+            } else if let Some(drum) = drum {
+                let speed = self.pay_out + segment.tension * first.mobility * dt;
+                self.pay_out = drum.limited(speed, self.length);
+                self.length += self.pay_out * dt;
+            }
+        }
+        let mut flow = self.pay_out;
+        let inner = self.nodes.iter_mut().skip(1).zip(self.segments.array_windows());
+        for (node, [below, above]) in inner {
+            flow -= self.pay_out * share;
+            let pull = above.along * above.tension - below.along * below.tension;
+            node.velocity += pull * (node.mobility * dt);
+            node.position += (node.velocity - (below.along + above.along) * (0.5 * flow)) * dt;
+            if node.position.z >= 0.0 {
+                rest_on_ground(&mut node.velocity);
+                node.position.z = 0.0;
+            }
+        }
+    }
+
+    /// What the station holds: the lowest segment with half of its weight.
+    fn weigh_at_station(&mut self, weight: f64) {
+        let held = self
+            .segments
+            .first()
+            .filter(|lowest| lowest.tension > 0.0)
+            .map_or(V3::zeros(), |lowest| {
+                lowest.along * lowest.tension + V3::new(0.0, 0.0, 0.5 * weight)
+            });
+        self.station_tension = held.norm();
+        if self.station_tension > 0.0 {
+            self.leaves = held / self.station_tension;
+        }
+    }
+}
+
+impl Segment {
+    /// Into the direction of the way between its ends, m; its length.
+    #[inline(always)]
+    fn turn(&mut self, way: &V3) -> f64 {
+        let span = way.norm().max(1e-9);
+        self.along = way * (1.0 / span);
+        span
+    }
+
+    /// What its tension has to bring about: it is `pulled` m/s, and its ends will part by `widening` m/s.
+    #[inline(always)]
+    fn want(&mut self, pulled: f64, widening: &V3) {
+        self.wanted = pulled + self.along.dot(widening);
+        self.is_taut = self.wanted > 0.0;
+    }
+}
+
+const DOWN: V3 = V3::new(0.0, 0.0, GRAVITY);
+
+/// The ground takes what sinks, and its friction what slides.
+fn rest_on_ground(velocity: &mut V3) {
+    if velocity.z <= 0.0 {
+        return;
+    }
+    let sliding = (velocity.x * velocity.x + velocity.y * velocity.y).sqrt();
+    let left =
+        if sliding > 0.0 { (1.0 - GROUND_FRICTION * velocity.z / sliding).max(0.0) } else { 0.0 };
+    *velocity = V3::new(velocity.x * left, velocity.y * left, 0.0);
+}

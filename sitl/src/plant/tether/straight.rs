@@ -1,0 +1,85 @@
+//! A straight link without mass of its own between its ends: pulls, or pushes as a strut, or both as a bar.
+//!
+//! At a fixed length a unilateral spring and damper; on a winch the drum's tension. The line's weight is counted as on
+//! a shallow catenary: half of it hangs on the vehicle, and the tension grows by weight per length times height from
+//! the station to the vehicle, so that its middle carries half of that more than the drum.
+
+use super::super::{GRAVITY, V3};
+use super::drag::drag;
+use super::station::Drum;
+use super::{End, TetherModel};
+
+/// What a straight link does.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Straight {
+    /// Force on the vehicle, N.
+    pub force: V3,
+    /// From the station towards the vehicle; zero: nothing pulls.
+    pub along: V3,
+    /// Along the link at its middle, N; negative where it pushes.
+    pub tension: f64,
+    /// What the tension changes from there to each end, N.
+    pub half_weight: f64,
+    /// Unstretched, m.
+    pub length: f64,
+}
+
+impl Straight {
+    /// At the station and at the vehicle, N. A slack line holds neither end.
+    pub fn end_tensions(&self) -> [f64; 2] {
+        let more = if self.tension == 0.0 { 0.0 } else { self.half_weight };
+        [self.tension - more, self.tension + more]
+    }
+}
+
+/// Shortest distance at which the line has a direction, m.
+const SHORTEST: f64 = 0.05;
+/// A straight link swings about its lower end: of its drag the vehicle carries a third.
+const DRAG_SHARE: f64 = 1.0 / 3.0;
+
+/// The link from a base that moves at `base_velocity` m/s. `drum`: none at a fixed `length`, m.
+#[inline(always)]
+pub fn straight(
+    model: &TetherModel,
+    drum: Option<Drum>,
+    length: f64,
+    base: (V3, V3),
+    end: &End,
+    wind: &V3,
+) -> Straight {
+    let way = end.position - base.0;
+    let distance = way.norm();
+    if model.is_broken || distance < SHORTEST {
+        return Straight { length: distance, ..Straight::default() };
+    }
+    let along = way / distance;
+    let velocity = end.velocity - base.1;
+    let outward = velocity.dot(&along);
+    let weight = model.line_density * GRAVITY;
+    let half_weight = -0.5 * weight * way.z;
+    let (tension, length) = match drum {
+        None => (elastic(model, length, distance - length, outward), length),
+        Some(drum) => {
+            let most = drum.model.length_max;
+            let end_stop = elastic(model, most, distance - most, outward);
+            let held = (drum.wanted + drum.model.friction(outward)).max(0.0);
+            (held + half_weight + end_stop, distance)
+        }
+    };
+    let air = velocity - wind;
+    let mut force = drag(model.diameter, length * DRAG_SHARE, &along, &air) - along * tension;
+    force.z += 0.5 * weight * length;
+    Straight { force, along, tension, half_weight, length }
+}
+
+fn elastic(model: &TetherModel, length: f64, stretch: f64, outward: f64) -> f64 {
+    if stretch <= 0.0 && !model.pushes || stretch >= 0.0 && !model.pulls {
+        return 0.0;
+    }
+    let k = model.stiffness / length;
+    let damping = 2.0 * model.damping_ratio * (k * model.reference_mass).sqrt();
+    let force = k * stretch + damping * outward;
+    let low = if model.pushes { f64::NEG_INFINITY } else { 0.0 };
+    let high = if model.pulls { f64::INFINITY } else { 0.0 };
+    force.clamp(low, high)
+}
