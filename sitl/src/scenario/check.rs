@@ -1,11 +1,13 @@
 //! Every number of a scenario within its range, before the first step.
 
-use super::{LineModel, Scenario, Step, TetherKind, set_param};
+use super::{LineModel, Scenario, Step, TetherKind, preset, set_param};
 use tautline_firmware::param::Params;
 
 impl Scenario {
     /// Every number within its range.
     pub(super) fn check(&self) -> Result<(), String> {
+        preset::check("vehicle", &self.vehicle.preset)?;
+        preset::check("tether", &self.tether.preset)?;
         self.vehicle.check()?;
         self.tether.check()?;
         if self.tether.model == LineModel::Chain

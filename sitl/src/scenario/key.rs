@@ -62,7 +62,7 @@ macro_rules! unlimited {
         })+
     };
 }
-unlimited!(bool, super::LineModel, super::TetherKind, super::DisturbanceKind);
+unlimited!(bool, String, super::LineModel, super::TetherKind, super::DisturbanceKind);
 
 /// Declares all sections; see `sections.rs`.
 macro_rules! sections {

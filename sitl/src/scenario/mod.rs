@@ -10,6 +10,7 @@ mod key;
 mod mission;
 mod operator;
 pub mod params_file;
+mod preset;
 mod sections;
 pub mod settings;
 
@@ -94,6 +95,13 @@ impl Scenario {
             let message = e.message().replace('\n', " ");
             ScenarioError(format!("{name}:{line}: {message}"))
         })?;
+        // A second reading: the first one's errors name the lines of the file.
+        let scenario = match preset::written_out(text) {
+            Some(table) => {
+                table.try_into().map_err(|e| ScenarioError(format!("{name}: preset: {e}")))?
+            }
+            None => scenario,
+        };
         scenario.check().map_err(|e| ScenarioError(format!("{name}: {e}")))?;
         Ok(scenario)
     }
@@ -179,6 +187,33 @@ mod tests {
                 assert!(got.starts_with(&name) && got.ends_with(&range), "{got}");
             }
         }
+    }
+
+    #[test]
+    fn a_preset_gives_what_the_file_leaves_out_and_every_one_makes_a_vehicle_that_lifts_its_line() {
+        let text = |vehicle: &str, tether: &str| {
+            format!(
+                "[vehicle]\npreset = {vehicle:?}\nmass = 3.0\n[tether]\npreset = {tether:?}\nmodel = \"chain\""
+            )
+        };
+        let scenario = Scenario::parse(&text("quad-3.5", "power-30"), "s.toml").unwrap();
+        assert!((scenario.vehicle.mass - 3.0).abs() < 1e-12);
+        assert!((scenario.vehicle.arm - 0.23).abs() < 1e-12);
+        assert!((scenario.tether.line_density - 0.03).abs() < 1e-12);
+        for (vehicle, length, density) in
+            [("quad-1.5", 10.0, 0.002), ("quad-3.5", 45.0, 0.03), ("quad-8", 80.0, 0.03)]
+        {
+            let text = format!("[vehicle]\npreset = {vehicle:?}");
+            let v = Scenario::parse(&text, "s.toml").unwrap().vehicle;
+            let most = 4.0 * v.thrust_coefficient * v.rotor_speed_max * v.rotor_speed_max;
+            let carried = (v.mass + length * density) * 9.81 + 10.0;
+            assert!(most > 1.25 * carried, "{vehicle}: {most} N for {carried} N");
+        }
+        let unknown = Scenario::parse(&text("quad-4", "power-30"), "s.toml").unwrap_err().0;
+        assert_eq!(
+            unknown,
+            "s.toml: vehicle.preset = \"quad-4\" is none of quad-1.5, quad-3.5, quad-8"
+        );
     }
 
     #[test]

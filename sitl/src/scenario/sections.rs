@@ -61,6 +61,8 @@ pub enum DisturbanceKind {
 sections! {
     /// `[vehicle]`: the airframe as it really is.
     "vehicle" VehicleSection {
+        /// quad-1.5, quad-3.5 or quad-8: the keys of this section at once. The file's own keys come first.
+        preset: String [""] = String::new();
         /// Take-off mass, battery included, tether and load not.
         mass: f64 ["kg"] = 1.5, in 0.1 ..= 50.0;
         /// Moments of inertia about nose, right-hand and down axis.
@@ -97,6 +99,8 @@ sections! {
 
     /// `[tether]`: the line and its ground end.
     "tether" TetherSection {
+        /// light, power-10, power-30 or power-67: what the line is made of, in g/m. The file's own keys come first.
+        preset: String [""] = String::new();
         /// winch, fixed, strut, bar or none.
         kind: TetherKind [""] = TetherKind::Winch;
         /// straight or chain; only a winch's or a fixed line can be a chain.
@@ -129,8 +133,8 @@ sections! {
         winch_ripple: f64 ["N"] = 0.15, in 0.0 ..= 20.0;
         /// What moves with the line at the winch: drum, line on it, gear and motor. Only a chain feels it.
         winch_inertia: f64 ["kg"] = 0.5, in 0.01 ..= 1000.0;
-        /// Gain of the winch's loop over its load cell. Only for a chain.
-        winch_gain: f64 [""] = 2.0, in 0.0 ..= 20.0;
+        /// Gain of the winch's integral loop over its load cell. Only for a chain.
+        winch_gain: f64 ["1/s"] = 0.5, in 0.0 ..= 20.0;
         /// Most that the winch's motor pulls. Only for a chain.
         winch_force_max: f64 ["N"] = 60.0, in 0.1 ..= 10_000.0;
         /// Fastest line of the winch. Only for a chain.

@@ -93,6 +93,8 @@ pub struct Chain {
     pay_out: f64,
     /// At the drum or the fixed end, N.
     station_tension: f64,
+    /// What the loop over the load cell adds, N.
+    trim: f64,
     /// Direction in which it leaves there.
     leaves: V3,
     /// Half of the drag of the last segment, N.
@@ -128,6 +130,7 @@ impl Chain {
             length,
             pay_out: 0.0,
             station_tension: 0.0,
+            trim: 0.0,
             leaves: V3::zeros(),
             end_drag: V3::zeros(),
             looks: true,
@@ -296,7 +299,8 @@ impl Chain {
             Some(drum) => {
                 // Beside the tension of the lowest segment, as it was.
                 let held_back = self.station_tension - lowest.tension;
-                let pull = drum.pull(self.station_tension);
+                self.trim = drum.trimmed(self.trim, self.station_tension, dt);
+                let pull = drum.pull(self.trim);
                 let own = drum.model.inertia;
                 let inertia = own + dt * drum.friction_per_speed(self.pay_out);
                 self.pay_out = (own * self.pay_out + dt * (held_back - pull)) / inertia;
@@ -482,7 +486,8 @@ impl Segment {
     #[inline(always)]
     fn want(&mut self, pulled: f64, widening: &V3) {
         self.wanted = pulled + self.along.dot(widening);
-        self.is_taut = self.wanted > 0.0;
+        // Until it is found to push: a slack one may be what its neighbours are about to pull taut.
+        self.is_taut = true;
     }
 }
 

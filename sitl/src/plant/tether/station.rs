@@ -21,7 +21,7 @@ pub struct WinchModel {
     pub force_max: f64,
     /// Fastest line, m/s.
     pub speed_max: f64,
-    /// Of the loop over the load cell.
+    /// Of the integral loop over the load cell, 1/s.
     pub gain: f64,
 }
 
@@ -36,6 +36,8 @@ pub struct Drum<'a> {
 
 /// Speed over which drum friction turns round, m/s.
 const FRICTION_SPEED: f64 = 0.05;
+/// Of the wanted tension, that the loop over the load cell may add.
+const TRIM_SHARE: f64 = 0.1;
 /// Shortest line that a drum leaves outside, m.
 const SHORTEST: f64 = 0.2;
 
@@ -66,11 +68,18 @@ impl WinchModel {
 }
 
 impl Drum<'_> {
-    /// Force of the motor on the line, N, at the tension that the load cell measures.
+    /// Force of the motor on the line, N, with what the loop over the load cell adds.
     #[must_use]
-    pub fn pull(&self, measured: f64) -> f64 {
-        let more = self.model.gain * (self.wanted - measured);
-        (self.wanted + more).clamp(0.0, self.model.force_max)
+    pub fn pull(&self, trim: f64) -> f64 {
+        (self.wanted + trim).clamp(0.0, self.model.force_max)
+    }
+
+    /// That, `dt` s after the load cell showed `measured` N: as much as friction and a share of the tension may be
+    /// off. Slow, since drum and line would swing on anything faster.
+    #[must_use]
+    pub fn trimmed(&self, trim: f64, measured: f64, dt: f64) -> f64 {
+        let most = self.model.friction + TRIM_SHARE * self.wanted;
+        (trim + self.model.gain * (self.wanted - measured) * dt).clamp(-most, most)
     }
 
     /// Friction per speed, N s/m, for a step at whose end the friction is to hold.

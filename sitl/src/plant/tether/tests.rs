@@ -316,3 +316,20 @@ fn a_slack_line_lies_on_the_ground_and_a_caught_one_holds_from_where_it_is() {
     hold(&mut chain, end);
     assert!((chain.points().nth(5).unwrap() - caught).norm() > 1e-3);
 }
+
+#[test]
+fn a_drum_holds_its_tension_on_a_line_too_short_and_stiff_to_give_way() {
+    for (length, stiffness) in [(0.3, 2e5), (0.8, 2e4), (0.8, 3e3), (2.0, 2e4)] {
+        let model = winch(|winch| winch.friction = 0.3);
+        let drum = Some(Drum { model: &model, wanted: 3.0 });
+        let end = V3::new(0.98, 0.0, -0.2).normalize() * length;
+        let material = Material { stiffness, ..line(0.002, 0.0015) };
+        let mut chain = Chain::new(5, length, |share| end * share);
+        for step in 0..4_000 {
+            let held = held(end, V3::zeros());
+            chain.step(&material, drum, (V3::zeros(), V3::zeros()), &held, &CALM, STEP);
+            let off = (chain.station_tension() - 3.0).abs();
+            assert!(step < 1_000 || off < 0.1, "{length} m, {stiffness} N: {off} at {step}");
+        }
+    }
+}
