@@ -6,6 +6,7 @@ use tautline_firmware::control::{PositionInput, PositionLoop, PositionState, Rad
 use tautline_firmware::estimate::{Ekf4, Ekf4Measurement, Ekf4State, Fault, Mahony, MahonyState};
 use tautline_firmware::frames::{Attitude, Body, V3, World};
 use tautline_firmware::math::so3;
+use tautline_firmware::model::Line;
 use tautline_firmware::param::Params;
 use tautline_firmware::signal::SphericalPoint;
 use tautline_sitl::plant::{Generator, Plant, PlantModel, generator, uniform};
@@ -20,6 +21,7 @@ fn ekf() -> Ekf4<f64> {
     let f = f64::from;
     Ekf4 {
         mass: f(p.mass),
+        line: Line::new(&p),
         q_position: f(p.ekf_q_position),
         q_tension: f(p.ekf_q_tension),
         r_accel: f(p.ekf_r_accel),

@@ -6,7 +6,7 @@ use crate::control::{
 };
 use crate::math::GRAVITY;
 use crate::mode::ModeConfig;
-use crate::model::TetherKind;
+use crate::model::{Line, TetherKind};
 use crate::navigation::Navigation;
 use crate::param::{Group, Params};
 use crate::scalar::Scalar;
@@ -39,6 +39,7 @@ pub(crate) struct Constants<S: Scalar> {
     pub kind: TetherKind,
     pub mass: S,
     pub weight: S,
+    pub line: Line<S>,
     pub thrust_scale: S,
     pub tether_length: S,
     pub tension_low: S,
@@ -165,6 +166,7 @@ impl<S: Scalar> Constants<S> {
             kind,
             mass: f(p.mass),
             weight: f(p.mass) * S::lit(GRAVITY),
+            line: Line::new(p),
             thrust_scale: usable(p.thrust_scale),
             tether_length: f(p.tether_length),
             tension_low: f(p.tension_low),

@@ -27,6 +27,7 @@ use tautline_firmware::estimate::{
 };
 use tautline_firmware::frames::{Attitude, Body, V3, World};
 use tautline_firmware::math::filter::Biquad;
+use tautline_firmware::model::Line;
 use tautline_firmware::model::{
     PendulumModel, PlanarImu, PlanarModel, PlanarState, TetherAngle, TetherAngleModel, TiltImu,
 };
@@ -102,6 +103,7 @@ fn position() -> Vec<Row> {
     let p = Params::default();
     let ekf = Ekf4 {
         mass: p.mass,
+        line: Line::new(&p),
         q_position: p.ekf_q_position,
         q_tension: p.ekf_q_tension,
         r_accel: p.ekf_r_accel,

@@ -8,6 +8,7 @@ use tautline_firmware::control::{
 };
 use tautline_firmware::estimate::{Ekf4, Ekf4Measurement, Ekf4State, Mahony, MahonyState};
 use tautline_firmware::frames::{Body, M3, V3, World};
+use tautline_firmware::model::Line;
 use tautline_firmware::param::Params;
 use tautline_firmware::scalar::Scalar;
 use tautline_firmware::signal::{MixerReport, Wrench};
@@ -55,6 +56,8 @@ pub fn check_ekf4<S: Scalar + Into<f64>>(file: &Value, bound: f64) {
     for (name, c) in cases(file, "ekf4") {
         let filter = Ekf4::<S> {
             mass: s(c, "m"),
+            // The vectors are of a line without weight.
+            line: Line(S::zero()),
             q_position: s(c, "q"),
             q_tension: s(c, "qf"),
             r_accel: s(c, "ra2"),
@@ -94,7 +97,7 @@ pub fn check_outer<S: Scalar + Into<f64>>(file: &Value, bound: f64) {
     let (ctl, est) = (&file["meta"]["ctl"], &file["meta"]["est"]);
     let controller = PositionLoop::<S> {
         mass: s(est, "m"),
-        line_density: s(est, "mu"),
+        line: Line(s::<S>(est, "mu") * S::lit(tautline_firmware::math::GRAVITY)),
         kp: s(ctl, "kp"),
         kd: s(ctl, "kd"),
         ki: s(ctl, "ki"),

@@ -110,6 +110,7 @@ fn experiments() -> Outcome {
         ("taut-flight", 4),
         ("angle-flight", 4),
         ("thrust-flight", 2),
+        ("line-flights", 1),
         ("fixed-point", 1),
         ("pendulum-sweeps", 1),
         ("pendulum-flight", 2),

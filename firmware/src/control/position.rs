@@ -7,6 +7,7 @@
 use crate::frames::{V3, World};
 use crate::math::remainder::{FINE, Remainder};
 use crate::math::{GRAVITY, so3};
+use crate::model::Line;
 use crate::param::Params;
 use crate::scalar::Scalar;
 
@@ -15,8 +16,8 @@ use crate::scalar::Scalar;
 pub struct PositionLoop<S> {
     /// kg.
     pub mass: S,
-    /// Tether mass per length, kg/m.
-    pub line_density: S,
+    /// Its weight.
+    pub line: Line<S>,
     /// 1/s².
     pub kp: S,
     /// 1/s.
@@ -90,7 +91,7 @@ pub struct PositionInput<S: Scalar> {
     pub length: S,
     /// Its rate, m/s.
     pub length_rate: S,
-    /// Tension to feed forward, N; on a fixed length kept within the limits.
+    /// Tension to feed forward, at the line's middle, N; on a fixed length kept within the limits.
     pub tension: S,
     /// Ground end.
     pub radial_control: RadialControl,
@@ -115,7 +116,7 @@ impl<S: Scalar> PositionLoop<S> {
         let f = S::from_f32;
         Self {
             mass: f(p.mass),
-            line_density: f(p.line_density),
+            line: Line::new(p),
             kp: f(p.position_p),
             kd: f(p.position_d),
             ki: f(p.position_i),
@@ -170,7 +171,7 @@ impl<S: Scalar> PositionLoop<S> {
         let centripetal = so3::dot(&tangential, &tangential) / length;
         let wind = z.wind.0;
         let mut force = (asked - wind * self.wind_feed_forward - u * centripetal) * m;
-        force.z -= m * g + self.line_density * length * g * S::lit(0.5);
+        force.z -= m * g + self.line.half_weight(length);
         let mut is_guarded = false;
         match z.radial_control {
             RadialControl::FixedLength => {

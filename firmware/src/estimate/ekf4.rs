@@ -1,7 +1,7 @@
 //! Position and tension from IMU, altimeter, tether length and thrust: the 4-state filter of
 //! `fullstate` section 10, after `localization` sections 3 and 4.
 //!
-//! State `(p, fc)`: position from the anchor, NED, m; tension, N. The position is a random walk; the
+//! State `(p, fc)`: position from the anchor, NED, m; tension in the line's middle, N. The position is a random walk; the
 //! accelerometer, in units of g, measures thrust plus pull:
 //! `h = -(fc/(m g)) Rᵀu - (T/(m g)) e3`, `u = p/|p|`. Wind looks like a pull: a steady 3 m/s moves
 //! the estimate by about 1 m at 10 m and 5 N.
@@ -10,6 +10,7 @@ use super::Fault;
 use crate::frames::{Attitude, Body, V3};
 use crate::math::kalman::Correction;
 use crate::math::{GRAVITY, so3};
+use crate::model::Line;
 use crate::scalar::Scalar;
 use nalgebra::{Matrix4, Vector4};
 
@@ -18,6 +19,8 @@ use nalgebra::{Matrix4, Vector4};
 pub struct Ekf4<S> {
     /// Mass, kg.
     pub mass: S,
+    /// Half of the line's weight hangs on the vehicle, and the accelerometer feels it.
+    pub line: Line<S>,
     /// m² per step, each coordinate.
     pub q_position: S,
     /// N² per step.
@@ -172,15 +175,22 @@ impl<S: Scalar> Ekf4<S> {
         let (u, length) = direction(p);
         let tension = state.tension();
         let weight = self.mass * S::lit(GRAVITY);
-        let nu =
-            z.accel.0 / S::lit(GRAVITY) - cable_reading(&z.attitude, p, tension, z.thrust, weight);
+        // `fullstate` section 2: the weight of half the line, by the length.
+        let down = so3::row_z(&z.attitude.0);
+        let hanging = down * (self.line.half_weight(length) / weight);
+        let reading = cable_reading(&z.attitude, p, tension, z.thrust, weight) + hanging;
+        let nu = z.accel.0 / S::lit(GRAVITY) - reading;
+        let by_length = self.line.half_weight(S::one()) / weight;
 
         let mut correction = Correction::new(&mut next.covariance);
         let mut row =
             |h: Vector4<S>, nu: S, r: S| nu.is_finite().then(|| correction.row(&h, nu, r));
         let (mut sum, mut count) = (S::zero(), S::zero());
         let jacobian = cable_jacobian(&z.attitude, p, tension, weight);
-        for (h, nu) in jacobian.into_iter().zip([nu.x, nu.y, nu.z]) {
+        let axes = jacobian.into_iter().zip([nu.x, nu.y, nu.z]).zip([down.x, down.y, down.z]);
+        for ((mut h, nu), down) in axes {
+            let more = u * (by_length * down);
+            h += Vector4::new(more.x, more.y, more.z, S::zero());
             if let Some(nis) = row(h, nu, self.r_accel) {
                 sum += nis;
                 count += S::one();

@@ -126,7 +126,7 @@ impl FlightLog {
         self.stage = stage;
         self.step = self.step.wrapping_add(1);
         for event in out.events.iter() {
-            self.ulog.text(out.now, event.severity as u8, event.text, sink);
+            self.ulog.text(out.now, event.severity as u8, &event.message(), sink);
         }
     }
 }

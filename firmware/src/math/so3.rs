@@ -75,6 +75,11 @@ pub fn col_y<S: Scalar>(r: &M3<S>) -> V3<S> {
 pub fn col_z<S: Scalar>(r: &M3<S>) -> V3<S> {
     V3::new(r.m13, r.m23, r.m33)
 }
+/// Row `z` of a rotation: the world's down axis in its own.
+#[inline]
+pub fn row_z<S: Scalar>(r: &M3<S>) -> V3<S> {
+    V3::new(r.m31, r.m32, r.m33)
+}
 fn from_columns<S: Scalar>(x: &V3<S>, y: &V3<S>, z: &V3<S>) -> M3<S> {
     M3::new(x.x, y.x, z.x, x.y, y.y, z.y, x.z, y.z, z.z)
 }

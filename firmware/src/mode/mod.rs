@@ -14,6 +14,7 @@
 mod boxed;
 mod context;
 mod descent;
+mod feasible;
 mod handover;
 mod hold;
 mod land;

@@ -1,6 +1,7 @@
 //! Flying along a plan by the position loop, and making a new plan of a command. For every mode that knows where it is.
 
 use super::descent::{descend, fly_level};
+use super::feasible;
 use super::refusal::{check_heading, denied, rejected};
 use super::{Context, Handover, Refusal, Setpoints};
 use crate::control::{PositionInput, RadialControl};
@@ -19,8 +20,6 @@ const NEARLY_TAUT: f64 = 0.85;
 /// Radial speed that looks for the link, m/s.
 const SEEK_NEAR: f64 = 0.3;
 const SEEK_FAR: f64 = 0.4;
-/// Share of the largest thrust that a tension set-point may use.
-const THRUST_RESERVE: f32 = 0.9;
 /// Given length and that of a fixed tether may differ by so much, m.
 const LENGTH_TOLERANCE: f32 = 0.3;
 
@@ -66,15 +65,20 @@ pub(super) fn fly<S: Scalar>(
         radial_control: cx.config.constants.radial_control,
         hold_integral: mixer.thrust_is_saturated || mixer.tilt_is_saturated,
     };
+    let constants = &cx.config.constants;
+    // The loop pulls along the chord: with the tension of the line's middle.
+    let growth = constants.line.growth(-smoothed.position.0.z);
+    input.tension = tension + growth;
     let is_taut = || situation.estimate.tether.is_none_or(|t| t.is_taut);
-    match cx.config.constants.radial_control {
+    match constants.radial_control {
         RadialControl::Winch => {
-            input.tension = (tension + smoothed.tension.max(S::zero())) * S::lit(0.5);
+            let felt = (smoothed.tension - growth).max(S::zero());
+            input.tension = (input.tension + felt) * S::lit(0.5);
         }
         RadialControl::FixedLength if !is_taut() => {
             // Slack: out gently; far inside the sphere by position alone.
             let distance = so3::norm(&smoothed.position.0);
-            if distance >= cx.config.constants.tether_length * S::lit(NEARLY_TAUT) {
+            if distance >= constants.tether_length * S::lit(NEARLY_TAUT) {
                 input.length_rate = S::lit(SEEK_NEAR);
             } else {
                 input.radial_control = RadialControl::Winch;
@@ -107,12 +111,13 @@ pub(super) fn command<S: Scalar>(
             if let Some(tension) = tension {
                 check_tension(tension, cx)?;
             }
+            let wanted = tension.unwrap_or(handover.tension.to_f32());
             let to = SphericalPoint {
                 elevation: elevation.unwrap_or(now.elevation),
                 azimuth: azimuth.unwrap_or(now.azimuth),
                 length: length.unwrap_or(now.length),
             };
-            go(handover, &to, cx)?;
+            go(handover, &to, wanted, cx)?;
             Ok(tension.map(S::from_f32))
         }
         _ => Err(super::refusal::not_here(action)),
@@ -127,18 +132,12 @@ fn end<S: Scalar>(
     if !cx.is_in_air() {
         return Err(rejected("Move refused: not in Tether Hold in the air"));
     }
-    let end = SphericalPoint::from_world(&handover.plan.end());
-    Ok(SphericalPoint {
-        elevation: end.elevation.to_f32(),
-        azimuth: end.azimuth.to_f32(),
-        length: end.length.to_f32(),
-    })
+    Ok(SphericalPoint::from_world(&handover.plan.end()).to_f32())
 }
 
 fn check_tension<S: Scalar>(tension: f32, cx: &Context<'_, S>) -> Result<(), Refusal> {
     let p = cx.params;
-    let reserve = THRUST_RESERVE * p.thrust_max - p.mass * crate::math::GRAVITY as f32;
-    if tension >= p.tension_min && tension <= p.tension_max.min(reserve) {
+    if tension >= p.tension_min && tension <= p.tension_max {
         Ok(())
     } else {
         Err(denied("Move refused: tension out of range"))
@@ -161,7 +160,8 @@ fn go_to<S: Scalar>(
         if cx.config.constants.radial_control == RadialControl::FixedLength {
             to.length = cx.params.tether_length;
         }
-        go(handover, &to, cx)?;
+        let tension = handover.tension.to_f32();
+        go(handover, &to, tension, cx)?;
     }
     if let Some(yaw) = yaw {
         handover.heading = S::from_f32(yaw);
@@ -172,6 +172,7 @@ fn go_to<S: Scalar>(
 fn go<S: Scalar>(
     handover: &mut Handover<S>,
     to: &SphericalPoint<f32>,
+    tension: f32,
     cx: &Context<'_, S>,
 ) -> Result<(), Refusal> {
     let p = cx.params;
@@ -192,6 +193,7 @@ fn go<S: Scalar>(
     if is_fixed && (to.length - p.tether_length).abs() > LENGTH_TOLERANCE {
         return Err(denied("Move refused: the tether has a fixed length"));
     }
+    feasible::check(&feasible::MOVE, to, tension, cx)?;
     let to = SphericalPoint {
         elevation: S::from_f32(to.elevation),
         azimuth: S::from_f32(to.azimuth),

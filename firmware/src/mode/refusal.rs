@@ -1,18 +1,30 @@
 //! Why something asked is not done, for the operator.
 
-use crate::signal::{Action, Outcome};
+use crate::signal::{Action, Amount, Event, Outcome};
 
 /// How the request ends, and the reason.
-pub(crate) type Refusal = (Outcome, &'static str);
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Refusal {
+    pub outcome: Outcome,
+    pub reason: Event,
+}
+
+impl Refusal {
+    /// With the number that would do.
+    pub const fn but_for(mut self, value: f32, unit: &'static str) -> Self {
+        self.reason.amount = Some(Amount { value, unit });
+        self
+    }
+}
 
 /// Not now.
 pub(crate) const fn rejected(text: &'static str) -> Refusal {
-    (Outcome::Rejected, text)
+    Refusal { outcome: Outcome::Rejected, reason: Event::warning(text) }
 }
 
 /// Never with these values.
 pub(crate) const fn denied(text: &'static str) -> Refusal {
-    (Outcome::Denied, text)
+    Refusal { outcome: Outcome::Denied, reason: Event::warning(text) }
 }
 
 /// Of every mode on a taut link.

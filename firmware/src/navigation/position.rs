@@ -7,7 +7,7 @@ use crate::estimate::{Ekf4, Ekf4Measurement, Ekf4State, VelocityFilter, Velocity
 use crate::feature;
 use crate::frames::{Attitude, Body, V3, World};
 use crate::math::so3;
-use crate::model::TetherKind;
+use crate::model::{Line, TetherKind};
 use crate::param::Params;
 use crate::scalar::Scalar;
 use crate::signal::{Estimate, SphericalPoint, TetherState};
@@ -28,6 +28,7 @@ pub(super) struct PositionFilter<S: Scalar> {
     /// m; `None` with a winch.
     fixed_length: Option<S>,
     ground_height: S,
+    line: Line<S>,
 }
 
 /// Which filter it is.
@@ -99,6 +100,7 @@ impl<S: Scalar> PositionFilter<S> {
         let simple = || {
             let ekf = Ekf4 {
                 mass: f(p.mass),
+                line: Line::new(p),
                 q_position: f(p.ekf_q_position),
                 q_tension: f(p.ekf_q_tension),
                 r_accel: f(p.ekf_r_accel),
@@ -121,6 +123,7 @@ impl<S: Scalar> PositionFilter<S> {
             start_tension: f(p.tension_low),
             fixed_length,
             ground_height: f(ground),
+            line: Line::new(p),
         }
     }
 
@@ -239,7 +242,9 @@ impl<S: Scalar> PositionFilter<S> {
             Some(Airborne::Simple(ekf, velocity)) => {
                 let c = &ekf.covariance;
                 let sd = V3::new(c.m11.sqrt(), c.m22.sqrt(), c.m33.sqrt());
-                (World(ekf.position()), velocity.velocity, ekf.tension(), sd)
+                let position = ekf.position();
+                let tension = ekf.tension() + self.line.growth(-position.z);
+                (World(position), velocity.velocity, tension, sd)
             }
             _ => {
                 let sd = V3::repeat(S::lit(PLACE_SD));

@@ -1,5 +1,7 @@
 //! What an operator should read, with MAVLink's severities.
 
+use core::fmt;
+
 /// How urgent, as MAVLink counts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[repr(u8)]
@@ -14,30 +16,72 @@ pub enum Severity {
     Info = 6,
 }
 
-/// One message; the text is at most 50 bytes, as one STATUSTEXT carries.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// A number that ends a message.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Amount {
+    /// What would do, or what is so.
+    pub value: f32,
+    /// Its unit.
+    pub unit: &'static str,
+}
+
+impl fmt::Display for Amount {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        // By tenths: the formatting of floats is 10 KB of an image.
+        let tenths = libm::roundf(self.value * 10.0) as i32;
+        let sign = if tenths < 0 { "-" } else { "" };
+        let tenths = tenths.unsigned_abs();
+        write!(f, "{sign}{}.{} {}", tenths / 10, tenths % 10, self.unit)
+    }
+}
+
+/// Longest message, bytes: what one STATUSTEXT carries.
+pub const TEXT_MAX: usize = 50;
+
+/// One message of at most [`TEXT_MAX`] bytes.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Event {
     /// How urgent.
     pub severity: Severity,
     /// For the operator.
     pub text: &'static str,
+    /// After the text.
+    pub amount: Option<Amount>,
+}
+
+impl fmt::Display for Event {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.text)?;
+        match &self.amount {
+            Some(amount) => write!(f, " {amount}"),
+            None => Ok(()),
+        }
+    }
 }
 
 impl Event {
     /// An event of severity [`Severity::Info`].
     #[must_use]
     pub const fn info(text: &'static str) -> Self {
-        Self { severity: Severity::Info, text }
+        Self { severity: Severity::Info, text, amount: None }
     }
     /// An event of severity [`Severity::Warning`].
     #[must_use]
     pub const fn warning(text: &'static str) -> Self {
-        Self { severity: Severity::Warning, text }
+        Self { severity: Severity::Warning, text, amount: None }
     }
     /// An event of severity [`Severity::Critical`].
     #[must_use]
     pub const fn critical(text: &'static str) -> Self {
-        Self { severity: Severity::Critical, text }
+        Self { severity: Severity::Critical, text, amount: None }
+    }
+    /// The whole message.
+    #[must_use]
+    pub fn message(&self) -> heapless::String<TEXT_MAX> {
+        let mut message = heapless::String::new();
+        // Too long is cut: the texts are tested to fit.
+        let _ = fmt::write(&mut message, format_args!("{self}"));
+        message
     }
 }
 

@@ -10,7 +10,7 @@ mod sensors;
 
 pub use command::{Actuation, MixerReport, WinchCommand, Wrench};
 pub use estimate::{Estimate, FilterHealth, TetherState};
-pub use event::{Event, EventQueue, Severity};
+pub use event::{Amount, Event, EventQueue, Severity, TEXT_MAX};
 pub use per_rotor::{MAX_ROTORS, PerRotor};
 pub use reference::{FlightReference, LoadReference, PlanarReference, SphericalPoint, TautPurpose};
 pub use request::{Action, CLOSED_THROTTLE, Outcome, Reply, Request, Sticks, Ticket};

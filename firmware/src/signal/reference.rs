@@ -15,6 +15,16 @@ pub struct SphericalPoint<S> {
 }
 
 impl<S: Scalar> SphericalPoint<S> {
+    /// For what is computed seldom, in f32.
+    #[must_use]
+    pub fn to_f32(&self) -> SphericalPoint<f32> {
+        SphericalPoint {
+            elevation: self.elevation.to_f32(),
+            azimuth: self.azimuth.to_f32(),
+            length: self.length.to_f32(),
+        }
+    }
+
     /// In world axes.
     #[must_use]
     pub fn to_world(&self) -> World<V3<S>> {

@@ -351,7 +351,10 @@ impl<S: Scalar> Vehicle<S> {
                 (Some(tether), Some(position))
                     if tether.is_taut && situation.navigation.is_airborne() =>
                 {
-                    let towards = position.0 * (-tether.tension / tether.length.max(S::lit(0.3)));
+                    let line = &self.config.constants.line;
+                    let middle = tether.tension - line.growth(-position.0.z);
+                    let mut towards = position.0 * (-middle / tether.length.max(S::lit(0.3)));
+                    towards.z += line.half_weight(tether.length);
                     estimate.attitude.to_body(World(towards))
                 }
                 _ => Body(V3::zeros()),

@@ -13,9 +13,9 @@ use crate::supervisor::Mode;
 fn outcome_of(result: Result<(), Refusal>, events: &mut EventQueue) -> Outcome {
     match result {
         Ok(()) => Outcome::Accepted,
-        Err((outcome, text)) => {
-            events.push(Event::warning(text));
-            outcome
+        Err(refusal) => {
+            events.push(refusal.reason);
+            refusal.outcome
         }
     }
 }

@@ -261,7 +261,7 @@ fn simulate(
             });
         }
         for (time, event) in flight.events.iter().skip(printed) {
-            status.print(&format!("{time:7.1} s  {}", event.text));
+            status.print(&format!("{time:7.1} s  {event}"));
         }
         printed = flight.events.len();
         if !options.headless {

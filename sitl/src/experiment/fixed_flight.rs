@@ -1,6 +1,6 @@
 //! The whole firmware in fixed point against the same in single precision: the same flights, the same seeds.
 
-use super::flown::why_lost;
+use super::flown::{Figure, why_lost};
 use super::{Compare, Overrides, Report};
 use crate::campaign::parallel;
 use crate::flight::Flight;
@@ -20,9 +20,6 @@ struct Row {
     text: &'static str,
     figures: &'static [Figure],
 }
-
-/// Its name with its unit, and where it is.
-type Figure = (&'static str, fn(&Summary) -> Option<f64>);
 
 const HOLD: [Figure; 2] =
     [("horizontal, m", |s| s.hold_horizontal_rms_m), ("vertical, m", |s| s.hold_vertical_rms_m)];

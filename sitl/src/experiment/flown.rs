@@ -1,8 +1,12 @@
 //! A mission flown to its end, and why it counts as lost.
 
 use crate::flight::{Flight, Progress};
+use crate::metrics::Summary;
 use std::io::Write;
 use tautline_firmware::signal::Severity;
+
+/// Name of a flight's figure with its unit, and where it is.
+pub type Figure = (&'static str, fn(&Summary) -> Option<f64>);
 
 /// Why lost, or why the mission was not flown; the first critical event explains more than the last step of a
 /// mission that went wrong.
@@ -16,5 +20,5 @@ pub fn why_lost<W: Write>(flight: &Flight<W>) -> Option<String> {
     let events = || flight.events.iter().map(|(_, event)| event);
     let event =
         events().find(|event| event.severity <= Severity::Critical).or(events().next_back());
-    Some(format!("not flown: {}", event.map_or("nothing", |event| event.text)))
+    Some(format!("not flown: {}", event.map_or_else(|| "nothing".into(), ToString::to_string)))
 }

@@ -6,6 +6,7 @@ mod conference;
 mod fixed_flight;
 mod flown;
 mod journal;
+mod line_flights;
 mod localization;
 mod pendulum;
 mod pictures;
@@ -118,7 +119,7 @@ const PENDULUM: &str = "Yang, Reis, Yu & Silvestre, flying inverted pendulum";
 const BOTH_SENSING: &str = "both sensing papers; `inertial`, `localization`";
 
 /// All of them.
-pub const EXPERIMENTS: [Experiment; 29] = [
+pub const EXPERIMENTS: [Experiment; 30] = [
     Experiment {
         key: "planar-nominal",
         paper: JOURNAL,
@@ -272,6 +273,13 @@ pub const EXPERIMENTS: [Experiment; 29] = [
         figure: "Figs. 5 and 6, in flight",
         about: "excite, identify from the log, fly on the tether before and after",
         run: thrust_flight::run,
+    },
+    Experiment {
+        key: "line-flights",
+        paper: "our own",
+        figure: "lines that weigh",
+        about: "take-off, hold and landing on lines of 2 to 30 g/m, 10 to 80 m, calm and in wind",
+        run: line_flights::run,
     },
     Experiment {
         key: "fixed-point",

@@ -13,8 +13,9 @@ use tautline_runtime::status::Status;
 /// Ground station's ids.
 const SYSTEM: u32 = 255;
 const COMPONENT: u8 = 190;
-/// A step of the mission that takes longer has failed, s.
+/// A step of the mission that takes longer has failed, s; and so much longer for each metre that it goes up or down.
 const TIMEOUT: f64 = 120.0;
+const TIMEOUT_PER_METRE: f64 = 3.0;
 const HEARTBEAT_PERIOD: f64 = 0.5;
 /// A command is sent again after this time, s.
 const REPEAT: f64 = 1.0;
@@ -93,13 +94,20 @@ pub struct MissionRunner {
     sticks_at: f64,
     walk: Option<Walk>,
     catches: bool,
+    /// Highest take-off, m.
+    highest: f64,
 }
 
 impl MissionRunner {
     /// For a mission; `system` is the vehicle's MAVLink id.
     #[must_use]
     pub fn new(steps: &[Step], system: u8) -> Self {
+        let altitude = |step: &Step| match step {
+            Step::Takeoff { altitude } => *altitude,
+            _ => 0.0,
+        };
         Self {
+            highest: steps.iter().map(altitude).fold(0.0, f64::max),
             steps: steps.to_vec(),
             at: 0,
             step_began: 0.0,
@@ -180,6 +188,8 @@ impl MissionRunner {
             Step::Hold { seconds } => seconds + 1.0,
             Step::AwaitDisarmed { timeout } => timeout,
             Step::Excite { seconds, .. } => seconds + 1.0,
+            Step::Takeoff { altitude } => TIMEOUT + TIMEOUT_PER_METRE * altitude,
+            Step::Land => TIMEOUT + TIMEOUT_PER_METRE * self.highest,
             _ => TIMEOUT,
         };
         if waited > timeout {

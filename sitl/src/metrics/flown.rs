@@ -13,6 +13,8 @@ use tautline_firmware::vehicle::StepOutput;
 /// Beyond these the vehicle counts as lost.
 const LOST_TILT: f64 = 1.22;
 const LOST_DISTANCE: f64 = 8.0;
+/// On a line so long that the same angle is more than that.
+const LOST_SHARE: f64 = 0.25;
 
 /// Collects during a flight.
 #[derive(Clone, Debug, Default)]
@@ -138,8 +140,10 @@ impl Metrics {
                 self.hold_horizontal.add(error.x.hypot(error.y));
                 self.hold_vertical.add(error.z);
             }
-            if error.norm() > LOST_DISTANCE && out.mode != Mode::Land {
-                self.lost.get_or_insert("over 8 m from the reference");
+            if error.norm() > LOST_DISTANCE.max(LOST_SHARE * plant.tether.length())
+                && out.mode != Mode::Land
+            {
+                self.lost.get_or_insert("far from the reference");
             }
         }
         if body.tilt() > LOST_TILT {

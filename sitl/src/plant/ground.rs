@@ -27,7 +27,8 @@ impl GroundModel {
         let light = vehicle.mass.min(1.0);
         Self {
             leg_height: vehicle.leg_height,
-            leg_spread: (0.85 * vehicle.arm).min(0.15),
+            // As wide as high, but for the small ones, which stand wider.
+            leg_spread: (0.85 * vehicle.arm).min(vehicle.leg_height.max(0.15)),
             stiffness: 2_000.0 * light,
             damping: 60.0 * light,
             friction: 0.8,

@@ -2,6 +2,7 @@
 
 use crate::estimate::{Ekf4, Ekf4State};
 use crate::frames::V3;
+use crate::model::Line;
 use crate::scalar::Scalar;
 use nalgebra::{Matrix4, Vector4};
 
@@ -31,6 +32,7 @@ pub fn article_ekf<S: Scalar>(mass: S, reading: NoiseReading<S>, known_tension: 
     let q = S::lit(PROCESS) * share;
     Ekf4 {
         mass,
+        line: Line(S::zero()),
         q_position: q,
         q_tension: if known_tension { S::zero() } else { q },
         r_accel: S::lit(ACCEL),

@@ -169,7 +169,7 @@ impl Session {
     }
 
     pub(in crate::mavlink) fn send_text(&mut self, event: &Event, sink: Sink) {
-        self.say(event.severity, event.text, sink);
+        self.say(event.severity, &event.message(), sink);
     }
 
     /// A STATUSTEXT; what is beyond 50 bytes is cut.

@@ -5,7 +5,8 @@ mod slack_hover;
 pub(crate) use slack_hover::SlackHoverPlan;
 
 use super::{
-    Context, Entry, Exit, FlightMode, Handover, Notice, Refusal, Setpoints, denied, plan, rejected,
+    Context, Entry, Exit, FlightMode, Handover, Notice, Refusal, Setpoints, denied, feasible, plan,
+    rejected,
 };
 use crate::control::{PositionState, RadialControl};
 use crate::frames::{V3, World};
@@ -34,7 +35,7 @@ pub(super) struct Takeoff<S: Scalar> {
 impl<S: Scalar> FlightMode<S> for Takeoff<S> {
     fn enter(
         entry: &Entry,
-        _handover: &mut Handover<S>,
+        handover: &mut Handover<S>,
         cx: &Context<'_, S>,
     ) -> Result<Self, Refusal> {
         if cx.is_in_air() {
@@ -44,7 +45,9 @@ impl<S: Scalar> FlightMode<S> for Takeoff<S> {
             return Err(rejected("Take-off refused: no position estimate"));
         }
         let takeoff = Self { altitude: entry.altitude, spool: S::zero(), slack: None };
-        takeoff.target(cx).ok_or(denied("Take-off refused: altitude beyond the tether"))?;
+        let target =
+            takeoff.target(cx).ok_or(denied("Take-off refused: altitude beyond the tether"))?;
+        feasible::check(&feasible::TAKEOFF, &target.to_f32(), handover.tension.to_f32(), cx)?;
         Ok(takeoff)
     }
 
