@@ -5,8 +5,11 @@ use std::process::Command;
 
 const SITL: &str = "target/release/sitl";
 const CHAIN: &str = "tests/clients/mujoco_chain.py";
+const PATH: &str = "tests/clients/mujoco_line.py";
 const PYTHON: &str = "target/venv/bin/python";
 const CALM: &str = "sitl/scenarios/calm.toml";
+const LINE_5: &str = "sitl/scenarios/line-10.toml";
+const LINE_10: &str = "sitl/scenarios/line-25.toml";
 /// Two lengths of the same run, s: the difference leaves out start and take-off.
 const LENGTHS: [u32; 2] = [20, 40];
 
@@ -19,12 +22,24 @@ struct Way {
     limit: u64,
 }
 
-const WAYS: [Way; 3] = [
+const WAYS: [Way; 5] = [
     Way {
         name: "world alone",
         arguments: &["speed", "--plant"],
         length: "--seconds",
         limit: 3_500,
+    },
+    Way {
+        name: "world alone, line of 5 segments",
+        arguments: &["speed", "--plant", "--scenario", LINE_5],
+        length: "--seconds",
+        limit: 6_000,
+    },
+    Way {
+        name: "world alone, line of 10 segments",
+        arguments: &["speed", "--plant", "--scenario", LINE_10],
+        length: "--seconds",
+        limit: 8_000,
     },
     Way {
         name: "flight of a campaign",
@@ -81,13 +96,19 @@ pub fn print(mujoco: bool) -> Outcome {
             dear.push(way.name);
         }
     }
-    for arguments in [&["speed", "--plant", "--seconds", "600"][..], &["speed", "--flights", "20"]]
-    {
+    let plain = ["speed", "--plant", "--seconds", "600"];
+    let on_line = ["speed", "--plant", "--seconds", "300", "--scenario", LINE_10];
+    for arguments in [&plain[..], &on_line, &["speed", "--flights", "20"]] {
         println!("{}: {}", arguments.join(" "), said(SITL, arguments).unwrap_or_default());
     }
     match said(PYTHON, &[CHAIN]) {
         Some(ratio) => println!("MuJoCo, a chain of 10 links at 1 kHz: {ratio} x"),
         None => println!("MuJoCo is not installed: cargo xtask speed --mujoco"),
+    }
+    let flown = said(SITL, &["experiment", "line-path", "--plot", "target/speed"]);
+    let apart = flown.and_then(|_| said(PYTHON, &[PATH, "target/speed/line-path.csv"]));
+    if let Some(apart) = apart {
+        println!("A mass on 25 m of 30 g/m under the same thrusts, ours and MuJoCo's: {apart}");
     }
     if dear.is_empty() { Ok(()) } else { Err(format!("over the limit: {}", dear.join(", "))) }
 }

@@ -7,6 +7,7 @@ mod fixed_flight;
 mod flown;
 mod journal;
 mod line_flights;
+mod line_path;
 mod localization;
 mod pendulum;
 mod pictures;
@@ -119,7 +120,7 @@ const PENDULUM: &str = "Yang, Reis, Yu & Silvestre, flying inverted pendulum";
 const BOTH_SENSING: &str = "both sensing papers; `inertial`, `localization`";
 
 /// All of them.
-pub const EXPERIMENTS: [Experiment; 30] = [
+pub const EXPERIMENTS: [Experiment; 31] = [
     Experiment {
         key: "planar-nominal",
         paper: JOURNAL,
@@ -280,6 +281,13 @@ pub const EXPERIMENTS: [Experiment; 30] = [
         figure: "lines that weigh",
         about: "take-off, hold and landing on lines of 2 to 30 g/m, 10 to 80 m, calm and in wind",
         run: line_flights::run,
+    },
+    Experiment {
+        key: "line-path",
+        paper: "our own",
+        figure: "lines that weigh",
+        about: "a mass on 25 m of 30 g/m pushed about for 60 s, to compare with another simulator",
+        run: line_path::run,
     },
     Experiment {
         key: "fixed-point",

@@ -50,8 +50,8 @@ struct Node {
     velocity: V3,
     /// By weight, air and flow of the line, m/s².
     acceleration: V3,
-    /// 1/kg.
-    mobility: f64,
+    /// What a force along the line does to it within a step, m/s per N; zero: it does not give way.
+    gives: f64,
 }
 
 /// Between two nodes.
@@ -122,7 +122,7 @@ impl Chain {
             position: place(i as f64 / segments as f64),
             velocity: V3::zeros(),
             acceleration: V3::zeros(),
-            mobility: 0.0,
+            gives: 0.0,
         };
         Self {
             nodes: (0..=segments).map(node).collect(),
@@ -289,11 +289,11 @@ impl Chain {
             return;
         };
         if self.is_cut {
-            first.mobility = 2.0 / (material.density * rest);
+            first.gives = 2.0 * dt / (material.density * rest);
             first.velocity += DOWN * dt;
             return;
         }
-        (first.position, first.mobility) = (base.0, 0.0);
+        (first.position, first.gives) = (base.0, 0.0);
         match drum {
             None => self.pay_out = 0.0,
             Some(drum) => {
@@ -304,7 +304,7 @@ impl Chain {
                 let own = drum.model.inertia;
                 let inertia = own + dt * drum.friction_per_speed(self.pay_out);
                 self.pay_out = (own * self.pay_out + dt * (held_back - pull)) / inertia;
-                first.mobility = 1.0 / inertia;
+                first.gives = dt / inertia;
             }
         }
         first.velocity = base.1 + lowest.along * self.pay_out;
@@ -321,7 +321,7 @@ impl Chain {
             last.velocity += (end.force * mobility + DOWN) * dt;
         }
         let across = 1.0 - highest.along.dot(&end.down).powi(2);
-        last.mobility = mobility + end.turns * across;
+        last.gives = (mobility + end.turns * across) * dt;
     }
 
     /// Each segment as it is, and the velocities of the nodes between at the step's end if no segment pulled.
@@ -330,12 +330,11 @@ impl Chain {
         let weight = material.density * rest;
         // Where short segments pull hard, a step is too long for their swing: inertia, not weight, makes up.
         let mass = weight.max(2.0 * self.tension() * dt * dt / rest);
-        let each = self.pay_out / self.segments.len() as f64;
-        let mut flow = self.pay_out;
-        let caught = self.caught.unwrap_or(usize::MAX);
-
         let per_mass = 1.0 / mass;
-        let per_spacing = 0.5 / rest;
+        // Of what flows past a node, per length of line.
+        let mut flow = self.pay_out * (0.5 / rest);
+        let each = flow / self.segments.len() as f64;
+        let caught = self.caught.unwrap_or(usize::MAX);
 
         let mut nodes = self.nodes.iter_mut();
         let Some(mut low) = nodes.next() else { return };
@@ -348,19 +347,17 @@ impl Chain {
             let half_drag = drag(material.diameter, 0.5 * rest, &segment.along, &air);
             match below {
                 // The free end of a cut line; a drum or a fixed point does not mind.
-                None if self.is_cut => low.velocity += half_drag * (low.mobility * dt),
+                None if self.is_cut => low.velocity += half_drag * low.gives,
                 None => {}
                 Some((segment_below, found)) => {
                     flow -= each;
-                    low.mobility = per_mass;
+                    low.gives = per_mass * dt;
                     low.acceleration = (found.half_drag + half_drag + DOWN * weight) * per_mass
-                        - (found.widening + widening) * (flow * per_spacing);
+                        - (found.widening + widening) * flow;
                     low.velocity += low.acceleration * dt;
                     if i == caught {
                         (low.velocity, low.acceleration) = (V3::zeros(), V3::zeros());
-                        low.mobility = 0.0;
-                    } else if low.position.z >= 0.0 {
-                        rest_on_ground(&mut low.velocity);
+                        low.gives = 0.0;
                     }
                     segment.bend = segment.along.dot(&found.along);
                     segment_below.want(found.pulled, &(low.velocity - found.low));
@@ -405,20 +402,20 @@ impl Chain {
         let (mut carried_on, mut right) = (0.0, 0.0);
         for (segment, [low, high]) in self.segments.iter_mut().zip(self.nodes.array_windows()) {
             if !segment.is_taut {
-                (segment.carry, carried_on, right) = (0.0, 0.0, 0.0);
+                (segment.carry, segment.right, carried_on, right) = (0.0, 0.0, 0.0, 0.0);
                 continue;
             }
             // `carried_on`: one over the row below's own share; zero without such a row.
-            let coupling = -dt * low.mobility * segment.bend;
+            let coupling = -low.gives * segment.bend;
             segment.carry = coupling * carried_on;
-            let own = give + dt * (low.mobility + high.mobility) - coupling * segment.carry;
+            let own = give + low.gives + high.gives - coupling * segment.carry;
             carried_on = 1.0 / own;
             right = (segment.wanted - coupling * right) * carried_on;
             segment.right = right;
         }
         let (mut above, mut pushes) = (0.0, false);
         for segment in self.segments.iter_mut().rev() {
-            segment.tension = if segment.is_taut { segment.right - above } else { 0.0 };
+            segment.tension = segment.right - above;
             if segment.tension < 0.0 {
                 (segment.tension, segment.is_taut, pushes) = (0.0, false, true);
             }
@@ -431,25 +428,27 @@ impl Chain {
         let share = 1.0 / self.segments.len() as f64;
         if let (Some(first), Some(segment)) = (self.nodes.first_mut(), self.segments.first()) {
             if self.is_cut {
-                first.velocity += segment.along * (segment.tension * first.mobility * dt);
+                first.velocity += segment.along * (segment.tension * first.gives);
                 first.position += first.velocity * dt;
                 if first.position.z >= 0.0 {
                     rest_on_ground(&mut first.velocity);
                     first.position.z = 0.0;
                 }
             } else if let Some(drum) = drum {
-                let speed = self.pay_out + segment.tension * first.mobility * dt;
+                let speed = self.pay_out + segment.tension * first.gives;
                 self.pay_out = drum.limited(speed, self.length);
                 self.length += self.pay_out * dt;
             }
         }
-        let mut flow = self.pay_out;
+        // Half of what flows past a node.
+        let mut flow = 0.5 * self.pay_out;
+        let each = flow * share;
         let inner = self.nodes.iter_mut().skip(1).zip(self.segments.array_windows());
         for (node, [below, above]) in inner {
-            flow -= self.pay_out * share;
+            flow -= each;
             let pull = above.along * above.tension - below.along * below.tension;
-            node.velocity += pull * (node.mobility * dt);
-            node.position += (node.velocity - (below.along + above.along) * (0.5 * flow)) * dt;
+            node.velocity += pull * node.gives;
+            node.position += (node.velocity - (below.along + above.along) * flow) * dt;
             if node.position.z >= 0.0 {
                 rest_on_ground(&mut node.velocity);
                 node.position.z = 0.0;

@@ -9,11 +9,11 @@ mod straight;
 pub use chain::{Chain, End, Material};
 pub use station::{Drum, WinchModel};
 
-use super::{DT, TICK, V3, uniform};
+use super::{DT, SUBSTEPS, TICK, V3, uniform};
 use crate::scenario::{LineModel, TetherKind, TetherSection};
 use rand_pcg::Pcg64Mcg;
 use std::f64::consts::{PI, TAU};
-use straight::{Straight, straight};
+use straight::{Air, Straight, straight};
 
 /// The line.
 #[derive(Clone, Debug)]
@@ -97,6 +97,7 @@ impl TetherModel {
 pub struct Tether {
     /// What a straight link does now.
     link: Straight,
+    air: Air,
     /// Turns that the vehicle has put into it, nose over the right wing.
     pub twist: f64,
     chain: Option<Chain>,
@@ -104,7 +105,7 @@ pub struct Tether {
     caught: Option<(V3, f64)>,
     /// Of nose from azimuth at the last look, rad.
     turned: f64,
-    /// Physics steps since the chain's last.
+    /// Physics steps since the chain's last one, or since a straight link felt the air.
     since: u32,
     set_point: f64,
     /// Tension that the drum's controller wants, N.
@@ -133,6 +134,7 @@ impl Tether {
         let error = model.winch.as_ref().map_or(0.0, |winch| winch.error);
         let mut tether = Self {
             link: Straight::default(),
+            air: Air::default(),
             twist: 0.0,
             chain: None,
             caught: None,
@@ -175,14 +177,17 @@ impl Tether {
         let wanted = self.drum;
         let drum = model.winch.as_ref().map(|model| Drum { model, wanted });
         let Some(chain) = &mut self.chain else {
-            let air = wind(-end.position.z);
-            self.link = match self.caught {
-                None => straight(model, drum, model.length, base, end, &air),
-                Some((point, length)) => {
-                    straight(model, None, length, (point, V3::zeros()), end, &air)
-                }
+            if self.since == 0 {
+                self.air.wind = Some(wind(-end.position.z));
+            }
+            self.since = (self.since + 1) % SUBSTEPS;
+            let (drum, length, base) = match self.caught {
+                None => (drum, model.length, base),
+                Some((point, length)) => (None, length, (point, V3::zeros())),
             };
-            return Grip { force: self.link.force, mass: 0.0 };
+            let (link, force) = straight(model, drum, length, base, end, &mut self.air);
+            self.link = link;
+            return Grip { force, mass: 0.0 };
         };
         if self.since == 0 {
             if model.is_broken {

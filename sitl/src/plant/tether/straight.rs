@@ -12,8 +12,6 @@ use super::{End, TetherModel};
 /// What a straight link does.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Straight {
-    /// Force on the vehicle, N.
-    pub force: V3,
     /// From the station towards the vehicle; zero: nothing pulls.
     pub along: V3,
     /// Along the link at its middle, N; negative where it pushes.
@@ -32,12 +30,21 @@ impl Straight {
     }
 }
 
+/// The air's force on the line, which changes slowly: looked up once per millisecond.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Air {
+    /// N.
+    pub drag: V3,
+    /// Velocity of the air, m/s; `None`: already felt.
+    pub wind: Option<V3>,
+}
+
 /// Shortest distance at which the line has a direction, m.
 const SHORTEST: f64 = 0.05;
 /// A straight link swings about its lower end: of its drag the vehicle carries a third.
 const DRAG_SHARE: f64 = 1.0 / 3.0;
 
-/// The link from a base that moves at `base_velocity` m/s. `drum`: none at a fixed `length`, m.
+/// The link, and its force on the vehicle, N, from a base that moves at `base_velocity` m/s. `drum`: none at a fixed `length`, m.
 #[inline(always)]
 pub fn straight(
     model: &TetherModel,
@@ -45,12 +52,12 @@ pub fn straight(
     length: f64,
     base: (V3, V3),
     end: &End,
-    wind: &V3,
-) -> Straight {
+    air: &mut Air,
+) -> (Straight, V3) {
     let way = end.position - base.0;
     let distance = way.norm();
     if model.is_broken || distance < SHORTEST {
-        return Straight { length: distance, ..Straight::default() };
+        return (Straight { length: distance, ..Straight::default() }, V3::zeros());
     }
     let along = way / distance;
     let velocity = end.velocity - base.1;
@@ -66,10 +73,13 @@ pub fn straight(
             (held + half_weight + end_stop, distance)
         }
     };
-    let air = velocity - wind;
-    let mut force = drag(model.diameter, length * DRAG_SHARE, &along, &air) - along * tension;
+    if let Some(wind) = air.wind.take() {
+        let over = velocity - wind;
+        air.drag = drag(model.diameter, length * DRAG_SHARE, &along, &over);
+    }
+    let mut force = air.drag - along * tension;
     force.z += 0.5 * weight * length;
-    Straight { force, along, tension, half_weight, length }
+    (Straight { along, tension, half_weight, length }, force)
 }
 
 fn elastic(model: &TetherModel, length: f64, stretch: f64, outward: f64) -> f64 {
