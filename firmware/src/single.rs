@@ -7,8 +7,8 @@ use crate::frames::{Attitude, Body, World};
 use crate::model::{PlanarState, TetherAngle, TetherAngleModel};
 use crate::scalar::Scalar;
 use crate::signal::{
-    Actuation, Battery, Capture, Estimate, FilterHealth, FlightReference, Imu, LoadReference,
-    PerRotor, PlanarReference, Sensors, TetherState, WinchCommand, Wrench,
+    Actuation, Battery, Capture, Estimate, FilterHealth, FlightReference, Imu, LineSensors,
+    LoadReference, PerRotor, PlanarReference, Sensors, TetherState, WinchCommand, Wrench,
 };
 use crate::time::Sample;
 use core::any::Any;
@@ -121,9 +121,10 @@ single! {
     Capture { position, heading }
     Battery { voltage, current, drawn, cell, remaining }
     Sensors {
-        imu, altitude, tether_length, capture, rod, battery;
+        imu, altitude, tether_length, capture, rod, line, battery;
         imu_health, altitude_is_fresh, altitude_is_ranged, tether_is_fresh, imu_temperature
     }
+    LineSensors { direction, tension, station_tension, station_direction, magnetic, second_imu }
     TetherState { elevation, azimuth, length, tension; is_taut }
     FilterHealth { accel, altitude, length }
     Estimate {

@@ -75,6 +75,7 @@ flight_topics! {
     EstimatorTetherAngle
     EstimatorPendulum
     TetherState
+    TetherSensors
     VehicleLocalPositionSetpoint
     BatteryStatus
     VehicleStatus

@@ -257,6 +257,80 @@ record! {
             taut: t.is_taut,
         })
 }
+record! {
+    /// `tether_state_groundtruth`, by the simulator: [`TetherState`] and what only the truth knows.
+    TetherTruth {
+        /// Of the vehicle from the anchor, rad.
+        elevation: f32,
+        /// Of the vehicle from the anchor, rad.
+        azimuth: f32,
+        /// Of the vehicle from the anchor, m.
+        length: f32,
+        /// At the vehicle, N.
+        tension: f32,
+        /// Not slack.
+        taut: bool,
+        /// At the ground station, N.
+        tension_station: f32,
+        /// Direction of the pull on the vehicle, NED; zero: nothing pulls.
+        pull_x: f32,
+        /// East.
+        pull_y: f32,
+        /// Down.
+        pull_z: f32,
+        /// Line between station and vehicle, unstretched, m.
+        line: f32,
+        /// Turns that the vehicle has put into it.
+        twist: f32,
+    }
+}
+record! {
+    /// `tether_sensors`: what a line's own sensors say. Zero where a sensor has not spoken.
+    TetherSensors {
+        /// Bit 0 vehicle's angles, 1 load cell, 2 station's load cell, 3 station's angles, 4 magnetometer, 5 second
+        /// inertial sensor: it has spoken.
+        present: u8,
+        /// From the vehicle down the line, body FRD, unit vector.
+        direction: [f32; 3],
+        /// At the vehicle, N.
+        tension: f32,
+        /// At the station, N.
+        tension_station: f32,
+        /// From the station up the line, NED, unit vector.
+        station_direction: [f32; 3],
+        /// Body FRD, µT.
+        magnetic: [f32; 3],
+        /// Of the second inertial sensor, body FRD, m/s².
+        second_accelerometer_m_s2: [f32; 3],
+        /// Of the second inertial sensor, body FRD, rad/s.
+        second_gyro_rad: [f32; 3],
+    }
+    topic "tether_sensors" every SLOW;
+    of |out| {
+        let line = &out.sensors.line;
+        let says = [
+            line.direction.is_some(),
+            line.tension.is_some(),
+            line.station_tension.is_some(),
+            line.station_direction.is_some(),
+            line.magnetic.is_some(),
+            line.second_imu.is_some(),
+        ];
+        let present = says.iter().rev().fold(0, |bits, &is| bits << 1 | u8::from(is));
+        let second = line.second_imu;
+        (present != 0).then(|| Self {
+            timestamp: out.now.0,
+            present,
+            direction: line.direction.map_or([0.0; 3], |v| three(&v.0)),
+            tension: line.tension.unwrap_or(0.0),
+            tension_station: line.station_tension.unwrap_or(0.0),
+            station_direction: line.station_direction.map_or([0.0; 3], |v| three(&v.0)),
+            magnetic: line.magnetic.map_or([0.0; 3], |v| three(&v.0)),
+            second_accelerometer_m_s2: second.map_or([0.0; 3], |imu| three(&imu.accel.0)),
+            second_gyro_rad: second.map_or([0.0; 3], |imu| three(&imu.gyro.0)),
+        })
+}
+}
 pub(super) fn three(v: &V3<f32>) -> [f32; 3] {
     [v.x, v.y, v.z]
 }

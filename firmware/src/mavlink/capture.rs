@@ -1,14 +1,15 @@
 //! What others measure and tell over MAVLink. Motion capture: ODOMETRY, VISION_POSITION_ESTIMATE or ATT_POS_MOCAP for the vehicle,
 //! DEBUG_VECT named `rod` for the direction of a rod on top (vehicle → load, NED, any length). A winch:
-//! WINCH_STATUS, of which the length is read.
+//! WINCH_STATUS, of which length and tension are read. The station's direction sensors: DEBUG_VECT named `fairlead`,
+//! of which x is the azimuth, y the elevation in which the line leaves, rad.
 //!
 //! All are read by position: the crate refuses frames and estimator types that it does not know, and which
 //! clients send. Time stamps of the sender are not used; its clock is not ours. A sample counts from its
 //! arrival, less the parameter CAP_DELAY.
 
-use super::Session;
 use super::frame::Frame;
-use crate::signal::{RawCapture, RawTether};
+use super::{KG_TO_N, Session};
+use crate::signal::{RawCapture, RawFairlead, RawTether};
 use crate::time::{Micros, Sample};
 
 /// ODOMETRY: frames understood. LOCAL_FRD is taken as NED, as its sender's heading decides.
@@ -17,9 +18,11 @@ const LOCAL_FRD: u8 = 20;
 /// Where DEBUG_VECT's name stands, and the one that is read.
 const NAME: usize = 20;
 const ROD: &[u8] = b"rod";
+const FAIRLEAD: &[u8] = b"fairlead";
 
-/// Where WINCH_STATUS says how much line is out, m.
+/// Where WINCH_STATUS says how much line is out, m, and how hard it pulls, kg.
 const LINE_LENGTH: usize = 8;
+const LINE_TENSION: usize = 16;
 
 /// Heading of a quaternion `[w, x, y, z]`, rad; `None` if it is none.
 fn heading([w, x, y, z]: [f32; 4]) -> Option<f32> {
@@ -67,15 +70,21 @@ impl Session {
             *byte = frame.byte(at);
         }
         let length = name.iter().position(|byte| *byte == 0).unwrap_or(name.len());
-        if name.get(..length) != Some(ROD) {
+        let value = three(frame, 8);
+        let name = name.get(..length);
+        if name != Some(ROD) && name != Some(FAIRLEAD) {
             self.counters.ignored = self.counters.ignored.wrapping_add(1);
             return;
         }
-        let value = three(frame, 8);
         if value.iter().any(|x| !x.is_finite()) {
             return self.refuse();
         }
-        self.sensors.rod = Some(Sample { at: now, value });
+        if name == Some(ROD) {
+            self.sensors.rod = Some(Sample { at: now, value });
+        } else {
+            let [azimuth, elevation, _] = value;
+            self.sensors.line.fairlead = Some(RawFairlead { azimuth, elevation });
+        }
     }
 
     pub(super) fn winch_status(&mut self, now: Micros, frame: &Frame) {
@@ -85,5 +94,8 @@ impl Session {
         }
         self.sensors.tether =
             Some(Sample { at: now, value: RawTether { length_mm: millimetres as i32 } });
+        // A winch without a load cell says NaN.
+        let tension = frame.float(LINE_TENSION) * KG_TO_N;
+        self.sensors.line.station_tension = tension.is_finite().then_some(tension);
     }
 }

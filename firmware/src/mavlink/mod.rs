@@ -30,6 +30,9 @@ use mavlink::{MavlinkVersion, MessageData};
 use schedule::Streams;
 use telemetry::Outgoing;
 
+/// Standard gravity by which MAVLink's tension in kg is meant, m/s².
+const KG_TO_N: f32 = 9.806_65;
+
 /// Where frames go.
 pub type Sink<'a> = &'a mut dyn FnMut(&[u8]);
 

@@ -63,6 +63,40 @@ params! {
         notch_freq: "IMU_NF_FREQ" Real ["Hz"] = 0.0 in 0.0 ..= 400.0;
         /// Bandwidth of the notch.
         notch_bandwidth: "IMU_NF_BW" Real ["Hz"] = 20.0 in 1.0 ..= 200.0;
+        /// Line's angle at the vehicle, about the nose axis: reading of its encoder when the line hangs straight down.
+        line_angle_zero_x: "LNK_ANG_X0" Real ["rad"] = 0.0 in -6.3 ..= 6.3;
+        /// The same about the right-hand axis.
+        line_angle_zero_y: "LNK_ANG_Y0" Real ["rad"] = 0.0 in -6.3 ..= 6.3;
+        /// Sense of the encoder about the nose axis: 1 right-handed, -1 left-handed.
+        line_angle_sign_x: "LNK_ANG_X_SGN" Real [""] = 1.0 in -1.0 ..= 1.0;
+        /// The same about the right-hand axis.
+        line_angle_sign_y: "LNK_ANG_Y_SGN" Real [""] = 1.0 in -1.0 ..= 1.0;
+        /// Load cell at the vehicle, per count; 0 = none.
+        line_cell_scale: "LNK_CELL_SCALE" Real ["N"] = 0.0 in -1.0 ..= 1.0;
+        /// Counts of the load cell without load.
+        line_cell_zero: "LNK_CELL_OFF" Real [""] = 0.0 in -8388608.0 ..= 8388607.0;
+        /// Azimuth that the station's encoder shows where the line leaves to the North.
+        station_azimuth_zero: "STN_AZ_OFF" Real ["rad"] = 0.0 in -6.3 ..= 6.3;
+        /// Elevation that the station's encoder shows where the line leaves level.
+        station_elevation_zero: "STN_EL_OFF" Real ["rad"] = 0.0 in -1.6 ..= 1.6;
+        /// Magnetometer offset (hard iron), nose axis.
+        mag_bias_x: "CAL_MAG0_XOFF" Real ["uT"] = 0.0 in -500.0 ..= 500.0;
+        /// Magnetometer offset (hard iron), right-hand axis.
+        mag_bias_y: "CAL_MAG0_YOFF" Real ["uT"] = 0.0 in -500.0 ..= 500.0;
+        /// Magnetometer offset (hard iron), down axis.
+        mag_bias_z: "CAL_MAG0_ZOFF" Real ["uT"] = 0.0 in -500.0 ..= 500.0;
+        /// Magnetometer scale (soft iron), nose axis.
+        mag_scale_x: "CAL_MAG0_XSCALE" Real [""] = 1.0 in 0.5 ..= 2.0;
+        /// Magnetometer scale (soft iron), right-hand axis.
+        mag_scale_y: "CAL_MAG0_YSCALE" Real [""] = 1.0 in 0.5 ..= 2.0;
+        /// Magnetometer scale (soft iron), down axis.
+        mag_scale_z: "CAL_MAG0_ZSCALE" Real [""] = 1.0 in 0.5 ..= 2.0;
+        /// Field of the current that the vehicle draws, per ampere, nose axis.
+        mag_current_x: "CAL_MAG0_XCOMP" Real ["uT/A"] = 0.0 in -10.0 ..= 10.0;
+        /// Field of the current that the vehicle draws, per ampere, right-hand axis.
+        mag_current_y: "CAL_MAG0_YCOMP" Real ["uT/A"] = 0.0 in -10.0 ..= 10.0;
+        /// Field of the current that the vehicle draws, per ampere, down axis.
+        mag_current_z: "CAL_MAG0_ZCOMP" Real ["uT/A"] = 0.0 in -10.0 ..= 10.0;
         /// Rangefinder below the centre of mass.
         range_offset: "RNG_POS_Z" Real ["m"] = 0.03 in -0.5 ..= 0.5;
         /// Rangefinder distance beyond which the barometer takes over.

@@ -6,6 +6,7 @@ mod altimeter;
 mod battery;
 mod calibrate;
 mod check;
+mod line;
 mod mount;
 
 pub use mount::Mounting;
@@ -15,14 +16,15 @@ use crate::math::filter::{Biquad, Biquad3State};
 use crate::param::Params;
 use crate::scalar::Scalar;
 use crate::signal::{
-    Capture, Imu, ImuHealth, RawBarometer, RawBattery, RawCapture, RawImu, RawRange, RawTether,
-    Sensors,
+    Capture, Imu, ImuHealth, RawBarometer, RawBattery, RawCapture, RawImu, RawLineSensors,
+    RawRange, RawTether, Sensors,
 };
 use crate::time::{Micros, Sample};
 use altimeter::{Altimeter, AltimeterState};
 use battery::{BatteryMonitor, BatteryState};
 use calibrate::Calibration;
 use check::{ImuCheck, ImuCheckState};
+use line::{LineSense, LineState};
 
 /// What one count of the inertial sensor means, as its driver set it up.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -48,6 +50,8 @@ pub struct RawSensors {
     pub battery: Option<Sample<RawBattery>>,
     /// Ground end of the tether.
     pub tether: Option<Sample<RawTether>>,
+    /// The line's own sensors.
+    pub line: RawLineSensors,
     /// Motion capture of the vehicle.
     pub capture: Option<Sample<RawCapture>>,
     /// Motion capture of a rod on top: vehicle → load, NED, any length.
@@ -57,7 +61,10 @@ pub struct RawSensors {
 impl RawSensors {
     /// Takes what is newer. Every field by name: one that is forgotten here does not compile.
     pub fn merge(&mut self, newer: Self) {
-        let Self { imu, barometer, range, battery, tether, capture, rod } = newer;
+        let Self { imu, barometer, range, battery, tether, line, capture, rod } = newer;
+        if !line.is_empty() {
+            self.line.merge(line);
+        }
         *self = Self {
             imu: imu.or(self.imu),
             barometer: barometer.or(self.barometer),
@@ -66,6 +73,7 @@ impl RawSensors {
             tether: tether.or(self.tether),
             capture: capture.or(self.capture),
             rod: rod.or(self.rod),
+            line: self.line,
         };
     }
 }
@@ -82,6 +90,7 @@ pub struct Sense<S: Scalar> {
     check: ImuCheck,
     altimeter: Altimeter<S>,
     battery: BatteryMonitor<S>,
+    line: LineSense<S>,
 }
 
 /// What moves in the stage.
@@ -94,6 +103,7 @@ pub struct SenseState<S: Scalar> {
     check: ImuCheckState,
     altimeter: AltimeterState<S>,
     battery: BatteryState<S>,
+    line: LineState<S>,
     tether_at: Option<Micros>,
     temperature: f32,
 }
@@ -120,10 +130,12 @@ impl<S: Scalar> Sense<S> {
     #[inline(never)]
     pub fn new(params: &Params, scale: ImuScale) -> Self {
         let mounting = Mounting::from_parameter(params.board_rotation);
+        let calibration = Calibration::new(params, scale);
         Self {
+            line: LineSense::new(params, calibration),
             mounting: mounting.unwrap_or(Mounting::ALIGNED),
             mounting_is_known: mounting.is_some(),
-            calibration: Calibration::new(params, scale),
+            calibration,
             accel_filter: Biquad::low_pass(params.accel_cutoff, scale.rate_hz),
             gyro_filter: Biquad::low_pass(params.gyro_cutoff, scale.rate_hz),
             notch: Biquad::notch(params.notch_freq, params.notch_bandwidth, scale.rate_hz),
@@ -159,7 +171,10 @@ impl<S: Scalar> Sense<S> {
             state.tether_at = Some(sample.at);
             Sample { at: sample.at, value: S::from_f32(sample.value.length_mm as f32 * 1e-3) }
         });
+        let battery = self.battery.step(&mut state.battery, raw.battery);
+        let current = battery.as_ref().map_or(0.0, |battery| battery.current.to_f32());
         Sensors {
+            line: self.line.step(&mut state.line, now, &raw.line, &self.mounting, current),
             imu,
             altitude,
             tether_length,
@@ -168,7 +183,7 @@ impl<S: Scalar> Sense<S> {
                 let value = finite(sample.value)?;
                 Some(Sample { at: sample.at, value })
             }),
-            battery: self.battery.step(&mut state.battery, raw.battery),
+            battery,
             imu_health: self.check.health(&state.check, now),
             altitude_is_fresh: self.altimeter.is_fresh(&state.altimeter, now),
             altitude_is_ranged: self.altimeter.is_ranged(&state.altimeter, now),

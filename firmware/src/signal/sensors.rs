@@ -1,5 +1,6 @@
 //! What arrived this tick: as read from the registers, and in SI units.
 
+use super::LineSensors;
 use crate::frames::{Body, V3, World};
 use crate::scalar::Scalar;
 use crate::time::Sample;
@@ -118,6 +119,8 @@ pub struct Sensors<S: Scalar = f32> {
     pub capture: Option<Sample<Capture<S>>>,
     /// Direction of the rod on top, vehicle → load, any length. `None`: nothing new this tick.
     pub rod: Option<Sample<World<V3<S>>>>,
+    /// Of the line's own sensors.
+    pub line: LineSensors<S>,
     /// `None` until the first reading.
     pub battery: Option<Battery<S>>,
     /// State of the inertial sensor.

@@ -48,7 +48,7 @@ impl Environment {
         let has_capture = scenario.capture.rate > 0.0;
         Self {
             plant,
-            sensors: SensorSuite::new(&scenario.sensors, clock.clone(), mounting, seed),
+            sensors: SensorSuite::new(scenario, clock.clone(), mounting, seed),
             faults: Faults::new(&scenario.fault),
             capture: has_capture.then(|| MotionCapture::new(scenario.capture.clone(), seed)),
             reaction: scenario.rod.reaction,

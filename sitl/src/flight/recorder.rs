@@ -5,7 +5,7 @@ use crate::plant::Plant;
 use nalgebra::UnitQuaternion;
 use std::io::{self, Write};
 use tautline_firmware::log::topics::{
-    EstimatorPosition, TetherState, VehicleAttitude, VehicleLocalPosition,
+    EstimatorPosition, TetherTruth, VehicleAttitude, VehicleLocalPosition,
 };
 use tautline_firmware::log::{FlightLog, MEDIUM, Topic};
 use tautline_firmware::param::Params;
@@ -52,7 +52,7 @@ impl<W: Write> Recorder<W> {
             |ulog, sink| {
                 ulog.define::<VehicleAttitude>(ATTITUDE, sink);
                 ulog.define::<VehicleLocalPosition>(POSITION, sink);
-                ulog.define::<TetherState>(TETHER, sink);
+                ulog.define::<TetherTruth>(TETHER, sink);
                 for shadow in shadows {
                     ulog.define::<EstimatorPosition>(shadow.topic(), sink);
                 }
@@ -138,14 +138,21 @@ fn true_position(timestamp: u64, plant: &Plant) -> VehicleLocalPosition {
     }
 }
 
-fn true_tether(timestamp: u64, plant: &Plant) -> TetherState {
-    let p = &plant.from_anchor();
-    TetherState {
+fn true_tether(timestamp: u64, plant: &Plant) -> TetherTruth {
+    let (p, tether) = (&plant.from_anchor(), &plant.tether);
+    let pull = tether.pull().map(|x| x as f32);
+    TetherTruth {
         timestamp,
         elevation: (-p.z).atan2(p.x.hypot(p.y)) as f32,
         azimuth: p.y.atan2(p.x) as f32,
         length: p.norm() as f32,
-        tension: plant.tether.tension() as f32,
-        taut: plant.tether.tension() > 0.0,
+        tension: tether.tension() as f32,
+        taut: tether.tension() > 0.0,
+        tension_station: tether.station_tension() as f32,
+        pull_x: pull.x,
+        pull_y: pull.y,
+        pull_z: pull.z,
+        line: tether.length() as f32,
+        twist: tether.twist as f32,
     }
 }

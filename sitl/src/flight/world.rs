@@ -76,6 +76,7 @@ impl World {
         let mut sensors = self.connection.take_sensors();
         // The simulated winch has its own wire: nobody else tells the vehicle its length.
         sensors.tether = None;
+        sensors.line.station_tension = None;
         sensors.merge(self.environment.read());
         let input = StepInput {
             now,

@@ -94,7 +94,7 @@ impl Metrics {
         let body = &plant.body;
         let touches = plant.ground.is_touching();
         let in_air = matches!(out.ground, GroundState::InAir | GroundState::Landing) && !touches;
-        self.has_flown |= in_air && body.height() > 0.5;
+        self.has_flown |= in_air && plant.height_over_ground() > 0.5;
         if touches && !self.was_touching && self.has_flown {
             self.touch_down = plant.ground.touch_down_speed.map(f64::abs);
             self.touch_down_drift = Some(body.velocity.x.hypot(body.velocity.y));
@@ -149,7 +149,7 @@ impl Metrics {
         if body.tilt() > LOST_TILT {
             self.lost.get_or_insert("tilted over 70 deg");
         }
-        if body.height() < 0.0 {
+        if plant.height_over_ground() < 0.0 {
             self.lost.get_or_insert("below the ground");
         }
     }

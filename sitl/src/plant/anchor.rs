@@ -1,6 +1,7 @@
 //! Whoever holds the tether walks: a straight line with a smooth start and end.
 
 use super::V3;
+use super::base::Motion;
 
 /// A walk.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -14,16 +15,35 @@ pub struct Walk {
 }
 
 /// Where the anchor is.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub struct Anchor {
     /// NED, m.
     pub position: V3,
     /// m/s.
     pub velocity: V3,
     walk: Option<(Walk, V3, f64)>,
+    motion: Option<Motion>,
+    time: f64,
 }
 
 impl Anchor {
+    /// On a base that moves.
+    #[must_use]
+    pub fn on(motion: Option<Motion>) -> Self {
+        let (position, velocity) =
+            motion.as_ref().map_or((V3::zeros(), V3::zeros()), |motion| motion.at(0.0));
+        Self { position, velocity, motion, ..Self::default() }
+    }
+
+    /// Place and velocity of the ground under the vehicle: of a deck, not of whoever walks with the line.
+    #[must_use]
+    pub fn deck(&self) -> (V3, V3) {
+        match self.motion {
+            Some(_) => (self.position, self.velocity),
+            None => (V3::zeros(), V3::zeros()),
+        }
+    }
+
     /// Starts a walk from where it is.
     pub fn go(&mut self, walk: Walk) {
         self.walk = Some((walk, self.position, 0.0));
@@ -31,6 +51,11 @@ impl Anchor {
 
     /// `dt` s ahead.
     pub fn step(&mut self, dt: f64) {
+        if let Some(motion) = &self.motion {
+            self.time += dt;
+            (self.position, self.velocity) = motion.at(self.time);
+            return;
+        }
         let Some((walk, from, time)) = &mut self.walk else { return };
         *time += dt;
         let length = walk.way.norm();

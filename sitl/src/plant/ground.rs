@@ -1,4 +1,4 @@
-//! Flat ground under four feet: spring and damper upwards, stick and slip sideways.
+//! Flat ground under four feet, which moves with the base that the station stands on: spring and damper upwards, stick and slip sideways.
 
 use super::{Body, BodyModel, GRAVITY, V3};
 use crate::scenario::VehicleSection;
@@ -71,25 +71,32 @@ impl Ground {
         model: &GroundModel,
         body: &Body,
         rotation: &Rotation3<f64>,
+        deck: (V3, V3),
     ) -> (V3, V3) {
-        if body.height() > model.reach() {
+        if body.height() + deck.0.z > model.reach() {
             self.stuck = [None; 4];
             return (V3::zeros(), V3::zeros());
         }
-        self.touch(model, body, rotation)
+        self.touch(model, body, rotation, deck)
     }
 
-    fn touch(&mut self, model: &GroundModel, body: &Body, rotation: &Rotation3<f64>) -> (V3, V3) {
+    fn touch(
+        &mut self,
+        model: &GroundModel,
+        body: &Body,
+        rotation: &Rotation3<f64>,
+        deck: (V3, V3),
+    ) -> (V3, V3) {
         let was_touching = self.is_touching();
         let (mut force, mut torque) = (V3::zeros(), V3::zeros());
         for (stuck, (x, y)) in self.stuck.iter_mut().zip(FEET) {
             let foot = V3::new(x * model.leg_spread, y * model.leg_spread, model.leg_height);
-            let place = body.position + rotation * foot;
+            let place = body.position + rotation * foot - deck.0;
             if place.z <= 0.0 {
                 *stuck = None;
                 continue;
             }
-            let speed = body.velocity + rotation * body.rate.cross(&foot);
+            let speed = body.velocity + rotation * body.rate.cross(&foot) - deck.1;
             let normal = (model.stiffness * place.z + model.damping * speed.z).max(0.0);
             let (sx, sy) = *stuck.get_or_insert((place.x, place.y));
             let mut side = V3::new(
@@ -109,7 +116,7 @@ impl Ground {
             torque += foot.cross(&rotation.inverse_transform_vector(&push));
         }
         if !was_touching && self.is_touching() {
-            self.touch_down_speed = Some(body.velocity.z);
+            self.touch_down_speed = Some(body.velocity.z - deck.1.z);
         }
         (force, torque)
     }

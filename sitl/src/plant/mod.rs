@@ -4,6 +4,7 @@
 //! drag. Semi-implicit Euler at 4 kHz.
 
 mod anchor;
+mod base;
 mod battery;
 mod body;
 mod disturbance;
@@ -12,10 +13,12 @@ mod integrate;
 mod push;
 mod rod;
 mod rotor;
+mod supply;
 mod tether;
 mod wind;
 
 pub use anchor::{Anchor, Walk};
+pub use base::Motion;
 pub use battery::{Battery, BatteryModel};
 pub use body::{Body, BodyModel};
 pub use disturbance::Disturbance;
@@ -24,6 +27,7 @@ pub use integrate::runge_kutta;
 pub use push::Push;
 pub use rod::{Rod, RodModel, RodPhase};
 pub use rotor::{Hub, Rotor, RotorModel};
+pub use supply::{Supply, SupplyModel};
 pub use tether::{Chain, Drum, End, Grip, Material, Tether, TetherModel, WinchModel};
 pub use wind::{Gusts, Wind, WindModel};
 
@@ -86,6 +90,10 @@ pub struct PlantModel {
     pub ground: GroundModel,
     /// Battery.
     pub battery: BatteryModel,
+    /// Power up the line.
+    pub supply: SupplyModel,
+    /// How the station moves; `None`: it stands still.
+    pub base: Option<Motion>,
 }
 
 impl PlantModel {
@@ -101,6 +109,8 @@ impl PlantModel {
             wind: WindModel::new(&scenario.wind, wind_from),
             ground: GroundModel::new(&scenario.vehicle),
             battery: BatteryModel::new(&scenario.battery),
+            supply: SupplyModel::new(&scenario.station),
+            base: Motion::new(&scenario.base),
         }
     }
 }
@@ -128,6 +138,8 @@ pub struct Plant {
     pub ground: Ground,
     /// Battery.
     pub battery: Battery,
+    /// Power up the line.
+    pub supply: Supply,
     /// Specific force at the centre of mass, body axes, m/s², mean over the last millisecond.
     pub specific_force: V3,
     ticks: u64,
@@ -139,16 +151,19 @@ impl Plant {
     pub fn new(model: PlantModel, distance: f64, heading: f64, seed: u64) -> Self {
         let mut rng = generator(seed, 1);
         let height = model.ground.rest_height(&model.body);
-        let place = V3::new(distance * heading.cos(), distance * heading.sin(), -height);
+        let anchor = Anchor::on(model.base.clone());
+        let out = V3::new(distance * heading.cos(), distance * heading.sin(), -height);
+        let place = anchor.position + out;
         let common = uniform(&mut rng) * model.rotor.common_gain_error;
         let draw = |_: &Hub| Rotor::new(1.0 + common + uniform(&mut rng) * model.rotor.gain_error);
         let rotors = model.rotor.hubs.iter().map(draw).collect();
-        let end = place + V3::new(0.0, 0.0, model.tether.attachment);
+        let end = out + V3::new(0.0, 0.0, model.tether.attachment);
         Self {
             body: Body::at(place, heading),
             rotors,
-            tether: Tether::new(&model.tether, &end, &mut rng),
-            anchor: Anchor::default(),
+            tether: Tether::new(&model.tether, &anchor.position, &end, &mut rng),
+            anchor,
+            supply: Supply::default(),
             wind: Wind::default(),
             rod: model.rod.clone().map(Rod::held),
             push: None,
@@ -165,7 +180,7 @@ impl Plant {
     pub fn hang(&mut self, position: V3) {
         self.body.position = position;
         let end = self.end();
-        self.tether.lay(&self.model.tether, &end);
+        self.tether.lay(&self.model.tether, &self.anchor.position, &end);
     }
 
     /// One millisecond with these throttles and this tension set-point for the winch.
@@ -188,7 +203,8 @@ impl Plant {
         self.ticks += 1;
         self.specific_force = force_sum / (f64::from(SUBSTEPS) * self.model.body.mass);
         let power: f64 = self.rotors.iter().map(|r| r.power(&self.model.rotor)).sum();
-        self.battery.step(&self.model.battery, power, TICK);
+        let given = self.supply.step(&self.model.supply, self.tether.length(), power);
+        self.battery.step(&self.model.battery, power - given, TICK);
     }
 
     /// Force on the body but for its weight, body axes, N.
@@ -212,7 +228,8 @@ impl Plant {
         let mut force_body = m.body.drag(&air);
         force_body.z -= thrust;
 
-        let (support, support_torque) = self.ground.step(&m.ground, &self.body, &rotation);
+        let (support, support_torque) =
+            self.ground.step(&m.ground, &self.body, &rotation, self.anchor.deck());
         torque += support_torque;
         let mut force = support + rotation * force_body;
         if let Some(push) = &mut self.push {
@@ -235,7 +252,11 @@ impl Plant {
             down: down.into(),
         };
         let base = (self.anchor.position, self.anchor.velocity);
-        let wind_at = |_: f64| wind;
+        let (shear, top) = (m.wind.shear, self.body.height().max(1.0));
+        let wind_at = |height: f64| match shear {
+            0.0 => wind,
+            _ => wind * (height.max(0.1) / top).powf(shear),
+        };
         let grip = self.tether.step(&m.tether, base, &end, &wind_at);
         let mut pull_world = grip.force;
         if grip.mass > 0.0 {
@@ -261,6 +282,12 @@ impl Plant {
     /// The line catches on something, at a `share` of its length from the station.
     pub fn catch_line(&mut self, share: f64) {
         self.tether.catch(&self.anchor.position, share);
+    }
+
+    /// Of the centre of mass over the ground or the deck, m.
+    #[must_use]
+    pub fn height_over_ground(&self) -> f64 {
+        self.anchor.deck().0.z - self.body.position.z
     }
 
     /// Attachment of the tether from its anchor, m.

@@ -47,7 +47,7 @@ fn a_free_fall_without_air_keeps_its_energy_and_feels_nothing() {
 
 #[test]
 fn gusts_have_the_strength_that_the_standard_gives() {
-    let model = WindModel { speed: 5.0, from: 0.3, gusts: Gusts::Dryden, pulse: 0.0 };
+    let model = WindModel { speed: 5.0, from: 0.3, gusts: Gusts::Dryden, pulse: 0.0, shear: 0.0 };
     let mut rng = Pcg64Mcg::new(7);
     let (mut wind, mut sum, n) = (Wind::default(), V3::zeros(), 2_000_000);
     for _ in 0..n {

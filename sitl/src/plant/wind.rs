@@ -23,6 +23,8 @@ pub struct WindModel {
     pub from: f64,
     /// Turbulence.
     pub gusts: Gusts,
+    /// Exponent over height along the line.
+    pub shear: f64,
     /// Peak of the recurring gust, m/s; zero: none.
     pub pulse: f64,
 }
@@ -36,6 +38,7 @@ impl WindModel {
             from: wind.from.unwrap_or(from),
             gusts: if wind.gusts { Gusts::Dryden } else { Gusts::None },
             pulse: wind.pulse,
+            shear: wind.shear,
         }
     }
 }

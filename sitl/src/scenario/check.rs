@@ -15,6 +15,8 @@ impl Scenario {
         {
             return Err("tether.model = \"chain\" wants kind = \"winch\" or \"fixed\"".into());
         }
+        self.station.check()?;
+        self.base.check()?;
         self.capture.check()?;
         self.rod.check()?;
         self.push.check()?;

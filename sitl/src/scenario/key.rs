@@ -52,6 +52,20 @@ impl KeyValue for u64 {
     }
 }
 
+impl KeyValue for Vec<[f64; 4]> {
+    fn check(&self, path: &str, _: Option<(f64, f64)>) -> Result<(), String> {
+        let mut last = f64::NEG_INFINITY;
+        for (i, row) in self.iter().enumerate() {
+            row.check(&format!("{path}[{i}]"), Some((-1e5, 1e5)))?;
+            if row[0] <= last {
+                return Err(format!("{path}[{i}][0] = {} is not after {last}", row[0]));
+            }
+            last = row[0];
+        }
+        Ok(())
+    }
+}
+
 /// Types whose every value is accepted.
 macro_rules! unlimited {
     ($($type:ty),+) => {

@@ -20,8 +20,9 @@ pub use fault::{FaultKind, FaultSection, Faults, Source};
 pub use key::Key;
 pub use mission::{Step, TautControl};
 pub use sections::{
-    BatterySection, CaptureSection, DisturbanceKind, LineModel, PushSection, RodSection,
-    SensorSection, TetherKind, TetherSection, VehicleSection, WindSection, keys,
+    BaseSection, BatterySection, CaptureSection, DisturbanceKind, LineModel, PushSection,
+    RodSection, SensorSection, StationSection, TetherKind, TetherSection, VehicleSection,
+    WindSection, keys,
 };
 
 use serde::{Deserialize, Serialize};
@@ -41,6 +42,10 @@ pub struct Scenario {
     pub vehicle: VehicleSection,
     /// The tether and its ground end.
     pub tether: TetherSection,
+    /// What the ground end measures and feeds in.
+    pub station: StationSection,
+    /// What it stands on.
+    pub base: BaseSection,
     /// Wind.
     pub wind: WindSection,
     /// Motion capture.

@@ -143,6 +143,41 @@ sections! {
         winch_length_max: f64 ["m"] = 60.0, in 1.0 ..= 500.0;
     }
 
+    /// `[station]`: what the ground end measures and feeds in.
+    "station" StationSection {
+        /// Error of the length that its encoder shows, drawn within plus or minus this share: slip, and line that
+        /// lies in layers on the drum.
+        length_slip: f64 [""] = 0.0, in 0.0 ..= 0.2;
+        /// Step of the encoder.
+        length_resolution: f64 ["m"] = 0.001, in 0.0 ..= 1.0;
+        /// Noise of its load cell.
+        tension_noise: f64 ["N"] = 0.1, in 0.0 ..= 50.0;
+        /// Offset of each of its direction encoders, drawn within plus or minus this.
+        angle_offset: f64 ["rad"] = 0.005, in 0.0 ..= 0.5;
+        /// Friction of their arm: how far the line turns before it follows.
+        angle_hysteresis: f64 ["rad"] = 0.01, in 0.0 ..= 0.5;
+        /// Voltage that it feeds into the line; 0 = the vehicle flies on its battery.
+        supply_voltage: f64 ["V"] = 0.0, in 0.0 ..= 1500.0;
+        /// Resistance of the line, there and back, per metre.
+        supply_resistance: f64 ["Ohm/m"] = 0.1, in 0.0 ..= 10.0;
+        /// Most that arrives.
+        supply_power: f64 ["W"] = 3000.0, in 0.0 ..= 100_000.0;
+    }
+
+    /// `[base]`: what the station stands on, and the ground under the vehicle with it.
+    "base" BaseSection {
+        /// Times, s, and places, North, East, down, m, in the order of the times.
+        table: Vec<[f64; 4]> ["s, m, m, m"] = Vec::new();
+        /// Up and down, amplitude.
+        heave: f64 ["m"] = 0.0, in 0.0 ..= 5.0;
+        /// Its period.
+        heave_period: f64 ["s"] = 8.0, in 1.0 ..= 60.0;
+        /// To and fro, amplitude; half of it across.
+        surge: f64 ["m"] = 0.0, in 0.0 ..= 10.0;
+        /// Its period.
+        surge_period: f64 ["s"] = 11.0, in 1.0 ..= 60.0;
+    }
+
     /// `[capture]`: motion capture.
     "capture" CaptureSection {
         /// Samples per second; zero: no motion capture.
@@ -187,6 +222,8 @@ sections! {
         speed: f64 ["m/s"] = 0.0, in 0.0 ..= 25.0;
         /// Direction from which it blows, from North; drawn by the seed when absent.
         from: Option<f64> ["rad"] = None, in -6.3 ..= 6.3;
+        /// Exponent of the wind over height, with the speed at the vehicle: 0 = the same all along the line.
+        shear: f64 [""] = 0.0, in 0.0 ..= 1.0;
         /// Dryden turbulence on top.
         gusts: bool [""] = false;
         /// Peak of a gust of 1-cos shape, 3 s long, every 5 s, each from another side; a fifth of it as
@@ -223,6 +260,20 @@ sections! {
         pressure_drift: f64 ["Pa/sqrt(s)"] = 0.2, in 0.0 ..= 100.0;
         /// Noise of the winch's encoder.
         length_noise: f64 ["m"] = 0.02, in 0.0 ..= 5.0;
+        /// Encoders of the line's two angles at the vehicle.
+        vehicle_angles: bool [""] = false;
+        /// Encoders of the line's direction at the station.
+        ground_angles: bool [""] = false;
+        /// Load cells at the vehicle and at the station.
+        tension_cell: bool [""] = false;
+        /// A magnetometer.
+        magnetometer: bool [""] = false;
+        /// Hard iron, each axis drawn within plus or minus this.
+        magnetic_offset: f64 ["T"] = 1e-5, in 0.0 ..= 1e-3;
+        /// Field of the current that comes up the line, per ampere.
+        magnetic_per_ampere: f64 ["T/A"] = 2e-7, in 0.0 ..= 1e-4;
+        /// A second inertial sensor, with errors of its own.
+        second_imu: bool [""] = false;
         /// Every n-th rangefinder frame loses a byte; 0 = none.
         range_lost_bytes: u64 [""] = 200;
     }

@@ -147,7 +147,7 @@ impl Altitude {
         if down.z < 0.05 {
             return f64::INFINITY;
         }
-        let sensor = plant.body.height() - offset * down.z;
+        let sensor = plant.height_over_ground() - offset * down.z;
         let slant = sensor / down.z;
         let relative = if slant > 6.0 { 0.003 * slant } else { 0.0 };
         slant + (model.range_noise + relative) * normal(rng)

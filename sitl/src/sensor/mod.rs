@@ -1,14 +1,16 @@
 //! Sensors at register level: truth + errors → fakes → the real drivers → [`RawSensors`].
 
 mod errors;
+mod station;
 
 use crate::plant::{Plant, V3, generator};
-use crate::scenario::{FaultKind, Faults, SensorSection};
+use crate::scenario::{FaultKind, Faults, Scenario, SensorSection};
 use errors::{Altitude, Inertial};
 use nalgebra::{Matrix3, RowVector3};
 use rand_pcg::Pcg64Mcg;
+use station::StationSensors;
 use tautline_firmware::sense::{ImuScale, Mounting, RawSensors};
-use tautline_firmware::signal::RawTether;
+use tautline_firmware::signal::{RawLineSensors, RawTether};
 use tautline_firmware::time::{Micros, Sample};
 use tautline_hal_shim::battery::BatteryMonitor;
 use tautline_hal_shim::fake::{FakeClock, FakeDps310, FakeIcm42688, FakePin, FakeTfMini};
@@ -36,13 +38,17 @@ pub struct SensorSuite {
     noise: SensorSection,
     imu: Icm42688<FakeIcm42688>,
     slow: SlowDevices<FakeDps310, FakeTfMini, FakePin, FakePin>,
+    station: StationSensors,
     winch: Option<RawTether>,
+    /// What else the line's sensors say this millisecond.
+    line: RawLineSensors,
 }
 
 impl SensorSuite {
     /// Devices under power that nobody has set up yet.
     #[must_use]
-    pub fn new(noise: &SensorSection, clock: FakeClock, mounting: Mounting, seed: u64) -> Self {
+    pub fn new(scenario: &Scenario, clock: FakeClock, mounting: Mounting, seed: u64) -> Self {
+        let noise = &scenario.sensors;
         let mut rng = generator(seed, 2);
         let imu = Icm42688::new(FakeIcm42688::new(clock.clone()), icm42688::Config::default());
         let mut range = FakeTfMini::new(clock.clone());
@@ -54,7 +60,9 @@ impl SensorSuite {
             to_chip: to_chip(mounting),
             noise: noise.clone(),
             slow: SlowDevices::new(FakeDps310::new(clock.clone()), range, pins),
+            station: StationSensors::new(&scenario.station, &mut generator(seed, 4)),
             winch: None,
+            line: RawLineSensors::default(),
             clock,
             rng,
             imu,
@@ -107,7 +115,17 @@ impl SensorSuite {
         current.set_volts(plant.battery.current / AMPS_PER_VOLT);
         let has_winch = plant.model().tether.winch.is_some();
         let transmits = has_winch && !faults.is_active(FaultKind::WinchSilent, time);
-        self.winch = (transmits && ms.is_multiple_of(WINCH_MS)).then(|| self.winch_length(plant));
+        self.winch = None;
+        self.line = RawLineSensors::default();
+        if transmits && ms.is_multiple_of(WINCH_MS) {
+            self.winch = Some(self.station.length(plant, &self.noise, &mut self.rng));
+            if self.noise.tension_cell {
+                self.line.station_tension = Some(self.station.tension(plant, &mut self.rng));
+            }
+        }
+        if self.noise.ground_angles && ms.is_multiple_of(WINCH_MS) {
+            self.line.fairlead = self.station.direction(plant);
+        }
     }
 
     /// One millisecond: exposes the devices to the world and reads them.
@@ -120,6 +138,7 @@ impl SensorSuite {
         let mut sensors = RawSensors {
             imu: imu.map(|reading| Sample { at, value: raw_imu(&reading) }),
             tether: self.winch.map(|value| Sample { at, value }),
+            line: self.line,
             ..RawSensors::default()
         };
         self.slow.poll(at, &mut sensors);
@@ -154,12 +173,6 @@ impl SensorSuite {
             let distance = self.altitude.range(&self.noise, plant, RANGE_OFFSET, &mut self.rng);
             part.set_distance(distance);
         }
-    }
-
-    fn winch_length(&mut self, plant: &Plant) -> RawTether {
-        let length =
-            plant.tether.length() + self.noise.length_noise * crate::plant::normal(&mut self.rng);
-        RawTether { length_mm: (length.max(0.0) * 1000.0).round() as i32 }
     }
 }
 

@@ -1,13 +1,10 @@
 //! Where the vehicle is and how well it knows.
 
 use super::Outgoing;
-use crate::mavlink::{Session, Sink, global};
+use crate::mavlink::{KG_TO_N, Session, Sink, global};
 use crate::signal::ImuHealth;
 use mavlink::dialects::common as mav;
 use mavlink::types::CharArray;
-
-/// Standard gravity by which MAVLink's tension in kg is meant, m/s².
-const KG_TO_N: f32 = 9.806_65;
 
 /// Heading in hundredths of a degree, 0..36000.
 fn heading_cdeg(yaw: f32) -> u16 {

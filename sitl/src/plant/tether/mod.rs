@@ -128,9 +128,9 @@ pub struct Grip {
 }
 
 impl Tether {
-    /// Laid out to `end`, m from the anchor.
+    /// Laid out from `base` to `end`, m from there.
     #[must_use]
-    pub fn new(model: &TetherModel, end: &V3, rng: &mut Pcg64Mcg) -> Self {
+    pub fn new(model: &TetherModel, base: &V3, end: &V3, rng: &mut Pcg64Mcg) -> Self {
         let error = model.winch.as_ref().map_or(0.0, |winch| winch.error);
         let mut tether = Self {
             link: Straight::default(),
@@ -145,14 +145,14 @@ impl Tether {
             error: uniform(rng) * error,
             phase: uniform(rng) * TAU,
         };
-        tether.lay(model, end);
+        tether.lay(model, base, end);
         tether
     }
 
-    /// Lays it out straight and slack from the anchor to `end`, m from there.
-    pub fn lay(&mut self, model: &TetherModel, end: &V3) {
+    /// Lays it out straight and slack from `base` to `end`, m from there.
+    pub fn lay(&mut self, model: &TetherModel, base: &V3, end: &V3) {
         let length = if model.winch.is_some() { end.norm() } else { model.length };
-        let laid = |segments| Chain::new(segments, length, |share| end * share);
+        let laid = |segments| Chain::new(segments, length, |share| base + end * share);
         self.chain = model.segments.map(laid);
     }
 

@@ -133,7 +133,7 @@ fn a_fixed_tether_pulls_only_when_stretched_and_then_towards_the_anchor() {
     let model = TetherModel::new(&section, 1.5);
     let (length, base) = (model.length, (V3::zeros(), V3::zeros()));
     let at = |x: f64| V3::new(0.6, 0.0, -0.8) * x;
-    let mut tether = Tether::new(&model, &at(1.0), &mut Pcg64Mcg::new(1));
+    let mut tether = Tether::new(&model, &V3::zeros(), &at(1.0), &mut Pcg64Mcg::new(1));
     let slack = tether.step(&model, base, &held(at(length - 0.01), V3::zeros()), &CALM).force;
     assert!(slack.x.abs() < 1e-12 && tether.tension().abs() < 1e-12);
     let taut = tether.step(&model, base, &held(at(length + 0.02), V3::zeros()), &CALM).force;
