@@ -14,7 +14,7 @@ use tautline_firmware::estimate::{
 };
 use tautline_firmware::frames::{Attitude, Body, V3, World};
 use tautline_firmware::math::GRAVITY;
-use tautline_firmware::model::{PlanarModel, TetherAngle, TetherAngleModel};
+use tautline_firmware::model::{Line, PlanarModel, TetherAngle, TetherAngleModel};
 use tautline_firmware::param::Params;
 use tautline_firmware::scalar::Scalar;
 use tautline_firmware::sense::{ImuScale, RawSensors, Sense, SenseState};
@@ -52,6 +52,7 @@ pub fn common<S: Scalar>(meter: &mut Meter, scalar: &str) {
     };
     let ekf = Ekf4 {
         mass,
+        line: Line::new(&params),
         q_position: l(1e-4),
         q_tension: l(1e-3),
         r_accel: l(1e-3),
