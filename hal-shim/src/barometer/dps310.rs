@@ -2,6 +2,7 @@
 //!
 //! No kept crate speaks embedded-hal 1.0 for this family (`dps310` is at 0.2).
 
+use crate::registers::Registers;
 use embedded_hal::delay::DelayNs;
 use embedded_hal::i2c::I2c;
 
@@ -119,8 +120,7 @@ impl Coefficients {
 /// The driver.
 #[derive(Debug)]
 pub struct Dps310<I2C> {
-    i2c: I2C,
-    address: u8,
+    part: Registers<I2C>,
     coefficients: Coefficients,
     temperature_raw: f32,
 }
@@ -128,7 +128,8 @@ pub struct Dps310<I2C> {
 impl<I2C: I2c> Dps310<I2C> {
     /// Touches nothing yet; call [`Self::init`].
     pub fn new(i2c: I2C, address: u8) -> Self {
-        Self { i2c, address, coefficients: Coefficients::default(), temperature_raw: 0.0 }
+        let part = Registers { i2c, address };
+        Self { part, coefficients: Coefficients::default(), temperature_raw: 0.0 }
     }
 
     /// Resets, identifies, reads the calibration and starts; takes 40 to 240 ms.
@@ -161,8 +162,7 @@ impl<I2C: I2c> Dps310<I2C> {
         if state & ready != ready {
             return Err(Error::NotReady { found: state });
         }
-        let mut bytes = [0; 18];
-        self.i2c.write_read(self.address, &[reg::COEFFICIENTS], &mut bytes).map_err(Error::Bus)?;
+        let bytes = self.part.read_from(reg::COEFFICIENTS).map_err(Error::Bus)?;
         self.coefficients = Coefficients::from_bytes(&bytes);
         // The coefficients belong to one of two temperature sensors; use that one.
         let source = self.read(reg::COEF_SRCE)? & 0x80;
@@ -182,9 +182,7 @@ impl<I2C: I2c> Dps310<I2C> {
         if state & PRESSURE_READY == 0 {
             return Ok(None);
         }
-        let mut bytes = [0; 6];
-        self.i2c.write_read(self.address, &[reg::PRESSURE], &mut bytes).map_err(Error::Bus)?;
-        let [p2, p1, p0, t2, t1, t0] = bytes;
+        let [p2, p1, p0, t2, t1, t0] = self.part.read_from(reg::PRESSURE).map_err(Error::Bus)?;
         let raw = |a, b, c| (i32::from_be_bytes([a, b, c, 0]) >> 8) as f32;
         self.temperature_raw = raw(t2, t1, t0);
         let (p, t) = (raw(p2, p1, p0) / SCALE_X8, self.temperature_raw / SCALE_X1);
@@ -193,7 +191,7 @@ impl<I2C: I2c> Dps310<I2C> {
 
     /// The bus, for its owner.
     pub fn bus_mut(&mut self) -> &mut I2C {
-        &mut self.i2c
+        &mut self.part.i2c
     }
 
     /// Some DPS310 read 60 °C after reset without this sequence (known from their drivers).
@@ -207,14 +205,11 @@ impl<I2C: I2c> Dps310<I2C> {
     }
 
     fn write(&mut self, register: u8, value: u8) -> Result<(), Error<I2C::Error>> {
-        self.i2c.write(self.address, &[register, value]).map_err(Error::Bus)
+        self.part.write(register, value).map_err(Error::Bus)
     }
 
     fn read(&mut self, register: u8) -> Result<u8, Error<I2C::Error>> {
-        let mut byte = [0];
-        self.i2c.write_read(self.address, &[register], &mut byte).map_err(Error::Bus)?;
-        let [value] = byte;
-        Ok(value)
+        self.part.read(register).map_err(Error::Bus)
     }
 }
 

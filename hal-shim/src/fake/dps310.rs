@@ -4,11 +4,12 @@
 //! 40 ms after a reset; a reading stays the same until its conversion is due.
 
 use super::FakeClock;
+use super::registers::{RegisterPart, transact};
 use crate::barometer::dps310::{
     ADDRESS, COEF_READY, CONTINUOUS, Coefficients, IDENTITY, PRESSURE_READY, SCALE_X1, SCALE_X8,
     SENSOR_READY, TEMPERATURE_READY, register as reg,
 };
-use embedded_hal::i2c::{ErrorKind, ErrorType, I2c, NoAcknowledgeSource, Operation};
+use embedded_hal::i2c::{ErrorKind, ErrorType, I2c, Operation};
 
 const READY_US: u64 = 40_000;
 const PRESSURE_PERIOD_US: u64 = 31_250;
@@ -100,7 +101,9 @@ impl FakeDps310 {
             *slot = value;
         }
     }
+}
 
+impl RegisterPart for FakeDps310 {
     fn read(&mut self, register: u8) -> u8 {
         match register {
             reg::IDENTITY => {
@@ -172,28 +175,7 @@ impl I2c for FakeDps310 {
         address: u8,
         operations: &mut [Operation<'_>],
     ) -> Result<(), ErrorKind> {
-        if address != ADDRESS || self.is_dead {
-            return Err(ErrorKind::NoAcknowledge(NoAcknowledgeSource::Address));
-        }
-        let mut at: u8 = 0;
-        for operation in operations {
-            match operation {
-                Operation::Write(bytes) => {
-                    let mut bytes = bytes.iter();
-                    at = bytes.next().copied().unwrap_or(at);
-                    for &byte in bytes {
-                        self.write(at, byte);
-                        at = at.wrapping_add(1);
-                    }
-                }
-                Operation::Read(bytes) => {
-                    for byte in bytes.iter_mut() {
-                        *byte = self.read(at);
-                        at = at.wrapping_add(1);
-                    }
-                }
-            }
-        }
-        Ok(())
+        let answers = address == ADDRESS && !self.is_dead;
+        transact(self, answers, operations)
     }
 }

@@ -4,17 +4,24 @@
 //! trait as the part. It quantises and saturates as its registers say, and it has the part's traps.
 
 mod adc;
+mod as5600;
 mod dps310;
 mod esc;
 mod flash;
 mod icm42688;
+mod ist8310;
+mod nau7802;
+mod registers;
 mod tfmini;
 
 pub use adc::FakePin;
+pub use as5600::{FakeAs5600, Magnet};
 pub use dps310::FakeDps310;
 pub use esc::FakeEsc;
 pub use flash::{FakeFlash, FlashError};
 pub use icm42688::FakeIcm42688;
+pub use ist8310::FakeIst8310;
+pub use nau7802::FakeNau7802;
 pub use tfmini::FakeTfMini;
 
 use std::cell::Cell;

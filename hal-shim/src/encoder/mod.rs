@@ -1,0 +1,3 @@
+//! Angle encoders.
+
+pub mod as5600;

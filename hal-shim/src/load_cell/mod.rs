@@ -1,0 +1,3 @@
+//! Load cells.
+
+pub mod nau7802;

@@ -1,0 +1,3 @@
+//! Magnetometers.
+
+pub mod ist8310;
