@@ -78,10 +78,22 @@ impl Event {
     /// The whole message.
     #[must_use]
     pub fn message(&self) -> heapless::String<TEXT_MAX> {
-        let mut message = heapless::String::new();
-        // Too long is cut: the texts are tested to fit.
-        let _ = fmt::write(&mut message, format_args!("{self}"));
-        message
+        let mut cut = Cut::default();
+        let _ = fmt::write(&mut cut, format_args!("{self}"));
+        cut.0
+    }
+}
+
+/// Takes what fits and leaves the rest: a cut message says more than none.
+#[derive(Default)]
+struct Cut(heapless::String<TEXT_MAX>);
+
+impl fmt::Write for Cut {
+    fn write_str(&mut self, text: &str) -> fmt::Result {
+        for c in text.chars() {
+            self.0.push(c).map_err(|_| fmt::Error)?;
+        }
+        Ok(())
     }
 }
 
@@ -109,5 +121,18 @@ impl EventQueue {
     /// In the order of arrival.
     pub fn iter(&self) -> impl Iterator<Item = &Event> {
         self.slots.iter().flatten()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_text_that_is_too_long_is_cut_and_not_lost() {
+        let long = Event::warning("0123456789 0123456789 0123456789 0123456789 012345\u{e9}789");
+        assert_eq!(long.message(), "0123456789 0123456789 0123456789 0123456789 012345");
+        let amount = Some(Amount { value: -0.25, unit: "m" });
+        assert_eq!(Event { amount, ..Event::info("Off by") }.message(), "Off by -0.3 m");
     }
 }

@@ -97,7 +97,7 @@ fn gains<S: Scalar>(p: &Params) -> PendulumGains<S> {
 pub(crate) fn gain_warning(p: &Params) -> Option<&'static str> {
     let conditions = gains::<f32>(p).conditions();
     if p.pendulum_beta >= conditions.coupling_limit {
-        return Some("Pendulum off: PND_BETA too large for PND_KP, PND_KV");
+        return Some("Pendulum off: PND_BETA too large for PND_KP and KV");
     }
     let is_proven = conditions.proven_up_to > crate::math::GRAVITY as f32;
     (!is_proven).then_some("Pendulum: PND_KQ too small for a proof at hover")
