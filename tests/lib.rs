@@ -2,8 +2,12 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "test support")]
 
+use mavlink::MessageData;
+use tautline_firmware::mavlink::Connection;
+use tautline_firmware::param::Params;
+use tautline_firmware::time::Micros;
 use tautline_firmware::vehicle::StepOutput;
-use tautline_sitl::flight::Flight;
+use tautline_sitl::flight::{Flight, MavlinkSender};
 use tautline_sitl::scenario::Scenario;
 
 /// A flight of a scenario given as TOML, logged to memory.
@@ -66,3 +70,12 @@ altitude = 5.0
 do = "hold"
 seconds = 1000.0
 "#;
+
+/// A link that has heard one message of some device.
+#[must_use]
+pub fn heard<D: MessageData>(message: &D) -> Connection {
+    let mut link = Connection::new();
+    let bytes = MavlinkSender::new(200, 197).frame(message);
+    link.receive_datagram(Micros(1000), &bytes, &Params::default(), &mut |_| {});
+    link
+}

@@ -3,18 +3,14 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, clippy::indexing_slicing, reason = "tests")]
 
-use mavlink::MessageData;
 use mavlink::dialects::common as mav;
 use mavlink::types::CharArray;
-use tautline_firmware::mavlink::Connection;
-use tautline_firmware::param::Params;
 use tautline_firmware::signal::Severity;
 use tautline_firmware::supervisor::Mode;
-use tautline_firmware::time::Micros;
 use tautline_sitl::flight::{Flight, MavlinkSender};
 use tautline_sitl::plant::RodPhase;
 use tautline_sitl::scenario::{FaultKind, FaultSection, Scenario, Step};
-use tautline_tests::{HOLD, run, until};
+use tautline_tests::{HOLD, heard, run, until};
 
 const SCENARIO: &str = include_str!("../sitl/scenarios/pendulum.toml");
 
@@ -210,13 +206,6 @@ fn gains_that_lose_the_proof_are_told_when_they_are_set() {
     set(&mut flight, "PND_KQ", 12.0);
     set(&mut flight, "PND_BETA", 3.0);
     assert!(told(&flight, "Pendulum off: PND_BETA too large"));
-}
-
-fn heard<D: MessageData>(message: &D) -> Connection {
-    let mut link = Connection::new();
-    let bytes = MavlinkSender::new(200, 197).frame(message);
-    link.receive_datagram(Micros(1000), &bytes, &Params::default(), &mut |_| {});
-    link
 }
 
 #[test]

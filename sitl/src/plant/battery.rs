@@ -61,7 +61,7 @@ impl Battery {
     /// Draws a power, W, for `dt` s.
     pub fn step(&mut self, model: &BatteryModel, power: f64, dt: f64) {
         let open = model.cells * open_circuit(self.charge);
-        self.current = (power + model.base_power) / self.voltage.max(1.0);
+        self.current = power / self.voltage.max(1.0);
         self.voltage = (open - self.current * model.resistance).max(0.5 * open);
         self.charge = (self.charge - self.current * dt / (3600.0 * model.capacity)).max(0.0);
     }

@@ -202,7 +202,8 @@ impl Plant {
         }
         self.ticks += 1;
         self.specific_force = force_sum / (f64::from(SUBSTEPS) * self.model.body.mass);
-        let power: f64 = self.rotors.iter().map(|r| r.power(&self.model.rotor)).sum();
+        let rotors: f64 = self.rotors.iter().map(|r| r.power(&self.model.rotor)).sum();
+        let power = rotors + self.model.battery.base_power;
         let given = self.supply.step(&self.model.supply, self.tether.length(), power);
         self.battery.step(&self.model.battery, power - given, TICK);
     }

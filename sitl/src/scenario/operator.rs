@@ -1,6 +1,7 @@
 //! How an operator sets the scenario's vehicle up: its place at the start and its parameters.
 
 use super::{Scenario, ScenarioError, TetherKind, set_param};
+use crate::sensor::NEWTON_PER_COUNT;
 use tautline_firmware::param::Params;
 
 impl Scenario {
@@ -56,8 +57,10 @@ impl Scenario {
             ("PND_LENGTH", self.rod.length),
             ("CAP_DELAY", self.capture.delay),
         ];
-        let load = [("PND_LOAD", self.rod.load_mass)];
-        let known = known.into_iter().chain(load.into_iter().filter(|(_, mass)| *mass > 0.0));
+        // What is not fitted is not set up.
+        let cell = if self.sensors.tension_cell { NEWTON_PER_COUNT } else { 0.0 };
+        let fitted = [("PND_LOAD", self.rod.load_mass), ("LNK_CELL_SCALE", cell)];
+        let known = known.into_iter().chain(fitted.into_iter().filter(|(_, value)| *value > 0.0));
         for (name, value) in known {
             set_param(&mut params, name, value as f32).map_err(ScenarioError)?;
         }

@@ -262,12 +262,22 @@ sections! {
         length_noise: f64 ["m"] = 0.02, in 0.0 ..= 5.0;
         /// Encoders of the line's two angles at the vehicle.
         vehicle_angles: bool [""] = false;
+        /// Offset of each, drawn within plus or minus this.
+        angle_offset: f64 ["rad"] = 0.005, in 0.0 ..= 0.5;
         /// Encoders of the line's direction at the station.
         ground_angles: bool [""] = false;
         /// Load cells at the vehicle and at the station.
         tension_cell: bool [""] = false;
+        /// Noise of the one at the vehicle.
+        cell_noise: f64 ["N"] = 0.05, in 0.0 ..= 50.0;
         /// A magnetometer.
         magnetometer: bool [""] = false;
+        /// Earth's field: North, East, down.
+        magnetic_field: [f64; 3] ["T"] = [2.1e-5, 1.5e-6, 4.3e-5], in -1e-4 ..= 1e-4;
+        /// Noise of the magnetometer.
+        magnetic_noise: f64 ["T"] = 3e-7, in 0.0 ..= 1e-4;
+        /// Soft iron: error of each axis, drawn within plus or minus this share.
+        magnetic_scale: f64 [""] = 0.03, in 0.0 ..= 0.5;
         /// Hard iron, each axis drawn within plus or minus this.
         magnetic_offset: f64 ["T"] = 1e-5, in 0.0 ..= 1e-3;
         /// Field of the current that comes up the line, per ampere.

@@ -39,7 +39,8 @@ pub struct Inertial {
     samples: u32,
 }
 
-fn vector(rng: &mut Pcg64Mcg, mut draw: impl FnMut(&mut Pcg64Mcg) -> f64) -> V3 {
+/// Three draws.
+pub fn vector(rng: &mut Pcg64Mcg, mut draw: impl FnMut(&mut Pcg64Mcg) -> f64) -> V3 {
     let x = draw(rng);
     let y = draw(rng);
     V3::new(x, y, draw(rng))

@@ -1,11 +1,15 @@
 //! Sensors at register level: truth + errors → fakes → the real drivers → [`RawSensors`].
 
 mod errors;
+mod line;
 mod station;
+
+pub use line::NEWTON_PER_COUNT;
 
 use crate::plant::{Plant, V3, generator};
 use crate::scenario::{FaultKind, Faults, Scenario, SensorSection};
 use errors::{Altitude, Inertial};
+use line::LineSensors;
 use nalgebra::{Matrix3, RowVector3};
 use rand_pcg::Pcg64Mcg;
 use station::StationSensors;
@@ -38,6 +42,8 @@ pub struct SensorSuite {
     noise: SensorSection,
     imu: Icm42688<FakeIcm42688>,
     slow: SlowDevices<FakeDps310, FakeTfMini, FakePin, FakePin>,
+    /// At the vehicle's end of the line.
+    at_vehicle: LineSensors,
     station: StationSensors,
     winch: Option<RawTether>,
     /// What else the line's sensors say this millisecond.
@@ -61,6 +67,7 @@ impl SensorSuite {
             noise: noise.clone(),
             slow: SlowDevices::new(FakeDps310::new(clock.clone()), range, pins),
             station: StationSensors::new(&scenario.station, &mut generator(seed, 4)),
+            at_vehicle: LineSensors::new(scenario, &clock, seed),
             winch: None,
             line: RawLineSensors::default(),
             clock,
@@ -76,7 +83,8 @@ impl SensorSuite {
     pub fn set_up(&mut self) -> Result<(), String> {
         let mut delay = self.clock.clone();
         self.imu.init(&mut delay).map_err(|e| format!("ICM-42688-P: {e:?}"))?;
-        self.slow.set_up(&mut delay).map_err(|e| format!("DPS310: {e:?}"))
+        self.slow.set_up(&mut delay).map_err(|e| format!("DPS310: {e:?}"))?;
+        self.at_vehicle.set_up(&self.clock)
     }
 
     /// The devices on their buses, for a reader outside: inertial sensor, barometer, rangefinder, pins.
@@ -123,6 +131,7 @@ impl SensorSuite {
                 self.line.station_tension = Some(self.station.tension(plant, &mut self.rng));
             }
         }
+        self.at_vehicle.expose(plant, &self.noise, &self.to_chip);
         if self.noise.ground_angles && ms.is_multiple_of(WINCH_MS) {
             self.line.fairlead = self.station.direction(plant);
         }
@@ -142,6 +151,7 @@ impl SensorSuite {
             ..RawSensors::default()
         };
         self.slow.poll(at, &mut sensors);
+        self.at_vehicle.read(at, &mut sensors.line);
         sensors
     }
 
