@@ -6,7 +6,7 @@
 //! | [`tasks`] | what the tasks of an image do |
 //! | [`inner_loop`] | one inertial sample: read, step, motors |
 //! | [`slow`] | barometer, rangefinder, battery, each at its own pace |
-//! | [`line`] | the line's own sensors, where fitted |
+//! | [`line`](mod@line) | the line's own sensors, where fitted |
 //! | [`inbox`] | what the slower tasks have for the next step |
 //! | [`comms`] | MAVLink on every port, and the flight log |
 //! | [`port`], [`serial`], [`usb`] | bytes between interrupts and the tasks that speak MAVLink |
