@@ -90,8 +90,13 @@ impl<const PORTS: usize> Comms<PORTS> {
     }
 }
 
+/// More than all that one step may have to say, bytes: fifteen topics of up to 150 each, and its events.
+pub const STEP_BYTES: usize = 3_000;
+
 /// What a log is told.
 pub struct LogFile<'a> {
+    /// There is room for a whole step: [`STEP_BYTES`].
+    pub has_room: bool,
     /// A new file shall begin; false when it cannot yet.
     pub begin: &'a mut dyn FnMut() -> bool,
     /// Bytes for it.
@@ -110,19 +115,16 @@ impl Log {
             }));
         }
         let Some(log) = &mut self.log else { return };
-        if let Some(since) = self.full_since {
-            let gap = (out.now.0.saturating_sub(since.0) / 1000).min(u64::from(u16::MAX)) as u16;
-            let mut fits = true;
-            log.ulog.dropout(gap, &mut |bytes| fits &= (file.write)(bytes));
-            if !fits {
-                return;
-            }
-            self.full_since = None;
-        }
         let mut fits = true;
-        log.write(out, &mut |bytes| fits &= (file.write)(bytes));
-        if !fits {
-            self.full_since = Some(out.now);
+        let mut write = |bytes: &[u8]| fits &= (file.write)(bytes);
+        // With less room the mark would go and what follows it would not: a mark a millisecond instead of one a gap.
+        if let Some(since) = self.full_since.take_if(|_| file.has_room || !out.is_armed) {
+            let gap = (out.now.0.saturating_sub(since.0) / 1000).min(u64::from(u16::MAX)) as u16;
+            log.ulog.dropout(gap, &mut write);
+        }
+        if self.full_since.is_none() {
+            log.write(out, &mut write);
+            self.full_since = (!fits).then_some(out.now);
         }
         if !out.is_armed {
             (file.end)();

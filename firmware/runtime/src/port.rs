@@ -57,9 +57,15 @@ impl Port for Queued {
 pub struct Outward(pub Producer<'static, u8>);
 
 impl Outward {
+    /// For so many bytes.
+    #[must_use]
+    pub fn room(&self) -> usize {
+        self.0.capacity() - self.0.len()
+    }
+
     /// All of `bytes` or none of them; whether they went.
     pub fn put(&mut self, bytes: &[u8]) -> bool {
-        if self.0.capacity() - self.0.len() < bytes.len() {
+        if self.room() < bytes.len() {
             return false;
         }
         for &byte in bytes {

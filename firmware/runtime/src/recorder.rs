@@ -1,7 +1,7 @@
 //! The flight log from the communications task to the card, which is written when nothing else wants the processor.
 
 use crate::blackbox::BlackBox;
-use crate::comms::{Comms, LogFile};
+use crate::comms::{Comms, LogFile, STEP_BYTES};
 use crate::port::Outward;
 use core::sync::atomic::{AtomicBool, Ordering};
 use embedded_sdmmc::BlockDevice;
@@ -65,6 +65,7 @@ impl Recorder for LogQueue {
     fn write<const PORTS: usize>(&mut self, comms: &mut Comms<PORTS>, out: &StepOutput) {
         let Flags { wanted, open } = self.flags;
         let mut file = LogFile {
+            has_room: self.queue.room() >= STEP_BYTES,
             begin: &mut || {
                 let may = !open.swap(true, Ordering::Relaxed);
                 wanted.store(may, Ordering::Relaxed);

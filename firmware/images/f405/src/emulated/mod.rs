@@ -165,6 +165,7 @@ pub struct LogSink;
 impl Recorder for LogSink {
     fn write<const PORTS: usize>(&mut self, comms: &mut Comms<PORTS>, out: &StepOutput) {
         let mut file = LogFile {
+            has_room: true,
             begin: &mut || true,
             write: &mut |bytes| {
                 for piece in bytes.chunks(512) {
