@@ -65,6 +65,12 @@ pub enum Error<E> {
     },
 }
 
+impl<E> From<E> for Error<E> {
+    fn from(bus: E) -> Self {
+        Self::Bus(bus)
+    }
+}
+
 /// Calibration, as stored in the part.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Coefficients {
@@ -137,11 +143,11 @@ impl<I2C: I2c> Dps310<I2C> {
     /// # Errors
     /// [`Error`]; `init` may be called again.
     pub fn init(&mut self, delay: &mut impl DelayNs) -> Result<(), Error<I2C::Error>> {
-        self.write(reg::RESET, 0x09)?;
+        self.part.write(reg::RESET, 0x09)?;
         delay.delay_us(40_000);
         let mut found = 0;
         for _ in 0..IDENTITY_TRIES {
-            found = self.read(reg::IDENTITY)?;
+            found = self.part.read(reg::IDENTITY)?;
             if found == IDENTITY {
                 break;
             }
@@ -151,26 +157,27 @@ impl<I2C: I2c> Dps310<I2C> {
             return Err(Error::Identity { found });
         }
         let ready = COEF_READY | SENSOR_READY;
-        let mut state = self.read(reg::MEAS_CFG)?;
+        let mut state = self.part.read(reg::MEAS_CFG)?;
         for _ in 0..READY_TRIES {
             if state & ready == ready {
                 break;
             }
             delay.delay_us(10_000);
-            state = self.read(reg::MEAS_CFG)?;
+            state = self.part.read(reg::MEAS_CFG)?;
         }
         if state & ready != ready {
             return Err(Error::NotReady { found: state });
         }
-        let bytes = self.part.read_from(reg::COEFFICIENTS).map_err(Error::Bus)?;
+        let bytes = self.part.read_from(reg::COEFFICIENTS)?;
         self.coefficients = Coefficients::from_bytes(&bytes);
         // The coefficients belong to one of two temperature sensors; use that one.
-        let source = self.read(reg::COEF_SRCE)? & 0x80;
-        self.write(reg::PRS_CFG, PRS_32HZ_X8)?;
-        self.write(reg::TMP_CFG, TMP_8HZ_X1 | source)?;
-        self.write(reg::CFG, 0)?;
+        let source = self.part.read(reg::COEF_SRCE)? & 0x80;
+        self.part.write(reg::PRS_CFG, PRS_32HZ_X8)?;
+        self.part.write(reg::TMP_CFG, TMP_8HZ_X1 | source)?;
+        self.part.write(reg::CFG, 0)?;
         self.temperature_fix()?;
-        self.write(reg::MEAS_CFG, CONTINUOUS)
+        self.part.write(reg::MEAS_CFG, CONTINUOUS)?;
+        Ok(())
     }
 
     /// A reading if a new pressure is there. Call it at 32 Hz or faster.
@@ -178,11 +185,11 @@ impl<I2C: I2c> Dps310<I2C> {
     /// # Errors
     /// [`Error::Bus`].
     pub fn poll(&mut self) -> Result<Option<Reading>, Error<I2C::Error>> {
-        let state = self.read(reg::MEAS_CFG)?;
+        let state = self.part.read(reg::MEAS_CFG)?;
         if state & PRESSURE_READY == 0 {
             return Ok(None);
         }
-        let [p2, p1, p0, t2, t1, t0] = self.part.read_from(reg::PRESSURE).map_err(Error::Bus)?;
+        let [p2, p1, p0, t2, t1, t0] = self.part.read_from(reg::PRESSURE)?;
         let raw = |a, b, c| (i32::from_be_bytes([a, b, c, 0]) >> 8) as f32;
         self.temperature_raw = raw(t2, t1, t0);
         let (p, t) = (raw(p2, p1, p0) / SCALE_X8, self.temperature_raw / SCALE_X1);
@@ -199,17 +206,9 @@ impl<I2C: I2c> Dps310<I2C> {
         for (register, value) in
             [(0x0E, 0xA5), (0x0F, 0x96), (0x62, 0x02), (0x0E, 0x00), (0x0F, 0x00)]
         {
-            self.write(register, value)?;
+            self.part.write(register, value)?;
         }
         Ok(())
-    }
-
-    fn write(&mut self, register: u8, value: u8) -> Result<(), Error<I2C::Error>> {
-        self.part.write(register, value).map_err(Error::Bus)
-    }
-
-    fn read(&mut self, register: u8) -> Result<u8, Error<I2C::Error>> {
-        self.part.read(register).map_err(Error::Bus)
     }
 }
 

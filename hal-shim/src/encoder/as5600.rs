@@ -44,6 +44,12 @@ pub enum Error<E> {
     },
 }
 
+impl<E> From<E> for Error<E> {
+    fn from(bus: E) -> Self {
+        Self::Bus(bus)
+    }
+}
+
 /// The driver.
 #[derive(Debug)]
 pub struct As5600<I2C> {
@@ -62,10 +68,10 @@ impl<I2C: I2c> As5600<I2C> {
     /// [`Error`]; may be called again.
     pub fn init(&mut self) -> Result<(), Error<I2C::Error>> {
         let [high, low] = CONFIGURATION;
-        self.part.write(reg::CONF_HIGH, high).map_err(Error::Bus)?;
-        self.part.write(reg::CONF_LOW, low).map_err(Error::Bus)?;
-        let [high, low] = self.part.read_from(reg::CONF_HIGH).map_err(Error::Bus)?;
-        let status = self.part.read(reg::STATUS).map_err(Error::Bus)?;
+        self.part.write(reg::CONF_HIGH, high)?;
+        self.part.write(reg::CONF_LOW, low)?;
+        let [high, low] = self.part.read_from(reg::CONF_HIGH)?;
+        let status = self.part.read(reg::STATUS)?;
         if [high, low] != CONFIGURATION || status & !(MAGNET | WEAK | STRONG) != 0 {
             return Err(Error::Identity { found: [status, high, low] });
         }
@@ -77,11 +83,11 @@ impl<I2C: I2c> As5600<I2C> {
     /// # Errors
     /// [`Error::Bus`].
     pub fn poll(&mut self) -> Result<Option<u16>, Error<I2C::Error>> {
-        let status = self.part.read(reg::STATUS).map_err(Error::Bus)?;
+        let status = self.part.read(reg::STATUS)?;
         if status & (MAGNET | WEAK | STRONG) != MAGNET {
             return Ok(None);
         }
-        let counts = u16::from_be_bytes(self.part.read_from(reg::RAW_ANGLE).map_err(Error::Bus)?);
+        let counts = u16::from_be_bytes(self.part.read_from(reg::RAW_ANGLE)?);
         // A bus that floats high is no angle.
         Ok((counts < COUNTS).then_some(counts))
     }

@@ -1,11 +1,9 @@
 //! Fake AS5600 behind I2C.
 //!
-//! Traps reproduced: the pointer stays on the two bytes of the angle; without a magnet the angle is noise; a
-//! configuration is forgotten when the power goes.
+//! Traps reproduced: the pointer stays on the two bytes of the angle; without a magnet there is an angle all the same.
 
-use super::registers::{RegisterPart, transact};
+use super::registers::{RegisterPart, on_i2c};
 use crate::encoder::as5600::{ADDRESS, COUNTS, MAGNET, STRONG, WEAK, register as reg};
-use embedded_hal::i2c::{ErrorKind, ErrorType, I2c, Operation};
 
 /// How well the part sees its magnet.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -52,14 +50,13 @@ impl FakeAs5600 {
         let turns = (angle / std::f64::consts::TAU).rem_euclid(1.0);
         self.counts = (turns * f64::from(COUNTS)).round() as u16 % COUNTS;
     }
-
-    /// As after a break of its supply.
-    pub fn power_cycle(&mut self) {
-        self.configuration = [0; 2];
-    }
 }
 
 impl RegisterPart for FakeAs5600 {
+    fn answers(&self, address: u8) -> bool {
+        address == self.address && !self.is_dead
+    }
+
     fn read(&mut self, register: u8) -> u8 {
         let [conf_high, conf_low] = self.configuration;
         let counts = if self.magnet == Magnet::Gone { 0x0A55 } else { self.counts };
@@ -93,17 +90,4 @@ impl RegisterPart for FakeAs5600 {
     }
 }
 
-impl ErrorType for FakeAs5600 {
-    type Error = ErrorKind;
-}
-
-impl I2c for FakeAs5600 {
-    fn transaction(
-        &mut self,
-        address: u8,
-        operations: &mut [Operation<'_>],
-    ) -> Result<(), ErrorKind> {
-        let answers = address == self.address && !self.is_dead;
-        transact(self, answers, operations)
-    }
-}
+on_i2c!(FakeAs5600);

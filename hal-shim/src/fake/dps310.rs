@@ -4,12 +4,11 @@
 //! 40 ms after a reset; a reading stays the same until its conversion is due.
 
 use super::FakeClock;
-use super::registers::{RegisterPart, transact};
+use super::registers::{RegisterPart, on_i2c};
 use crate::barometer::dps310::{
     ADDRESS, COEF_READY, CONTINUOUS, Coefficients, IDENTITY, PRESSURE_READY, SCALE_X1, SCALE_X8,
     SENSOR_READY, TEMPERATURE_READY, register as reg,
 };
-use embedded_hal::i2c::{ErrorKind, ErrorType, I2c, Operation};
 
 const READY_US: u64 = 40_000;
 const PRESSURE_PERIOD_US: u64 = 31_250;
@@ -104,6 +103,10 @@ impl FakeDps310 {
 }
 
 impl RegisterPart for FakeDps310 {
+    fn answers(&self, address: u8) -> bool {
+        address == ADDRESS && !self.is_dead
+    }
+
     fn read(&mut self, register: u8) -> u8 {
         match register {
             reg::IDENTITY => {
@@ -165,17 +168,4 @@ fn calibration_bytes() -> [u8; 18] {
     ]
 }
 
-impl ErrorType for FakeDps310 {
-    type Error = ErrorKind;
-}
-
-impl I2c for FakeDps310 {
-    fn transaction(
-        &mut self,
-        address: u8,
-        operations: &mut [Operation<'_>],
-    ) -> Result<(), ErrorKind> {
-        let answers = address == ADDRESS && !self.is_dead;
-        transact(self, answers, operations)
-    }
-}
+on_i2c!(FakeDps310);

@@ -4,11 +4,10 @@
 //! once; a reset forgets the configuration and takes its time.
 
 use super::FakeClock;
-use super::registers::{RegisterPart, transact};
+use super::registers::{RegisterPart, on_i2c};
 use crate::magnetometer::ist8310::{
     ADDRESS, AVERAGE_16, IDENTITY, RANGE, READY, RESET, SINGLE, register as reg,
 };
-use embedded_hal::i2c::{ErrorKind, ErrorType, I2c, Operation};
 
 const MEASURE_US: u64 = 6_000;
 const RESET_US: u64 = 10_000;
@@ -74,6 +73,10 @@ impl FakeIst8310 {
 }
 
 impl RegisterPart for FakeIst8310 {
+    fn answers(&self, address: u8) -> bool {
+        address == ADDRESS && !self.is_dead
+    }
+
     fn read(&mut self, register: u8) -> u8 {
         self.measure();
         match register {
@@ -104,17 +107,4 @@ impl RegisterPart for FakeIst8310 {
     }
 }
 
-impl ErrorType for FakeIst8310 {
-    type Error = ErrorKind;
-}
-
-impl I2c for FakeIst8310 {
-    fn transaction(
-        &mut self,
-        address: u8,
-        operations: &mut [Operation<'_>],
-    ) -> Result<(), ErrorKind> {
-        let answers = address == ADDRESS && !self.is_dead;
-        transact(self, answers, operations)
-    }
-}
+on_i2c!(FakeIst8310);

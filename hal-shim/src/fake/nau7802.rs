@@ -4,12 +4,11 @@
 //! was not calibrated after it was set reads wrong; a conversion is new once.
 
 use super::FakeClock;
-use super::registers::{RegisterPart, transact};
+use super::registers::{RegisterPart, on_i2c};
 use crate::load_cell::nau7802::{
     ADDRESS, ANALOGUE_ON, CALIBRATE, CALIBRATION_FAILED, CYCLE_READY, CYCLE_START, DIGITAL_ON,
     FULL_SCALE, POWER_READY, REGULATOR, RESET, REVISION, register as reg,
 };
-use embedded_hal::i2c::{ErrorKind, ErrorType, I2c, Operation};
 
 const POWER_US: u64 = 200;
 const CALIBRATION_US: u64 = 344_000;
@@ -104,6 +103,10 @@ impl FakeNau7802 {
 }
 
 impl RegisterPart for FakeNau7802 {
+    fn answers(&self, address: u8) -> bool {
+        address == ADDRESS && !self.is_dead
+    }
+
     fn read(&mut self, register: u8) -> u8 {
         self.finish_calibration();
         let [_, high, middle, low] = self.counts.to_be_bytes();
@@ -146,17 +149,4 @@ impl RegisterPart for FakeNau7802 {
     }
 }
 
-impl ErrorType for FakeNau7802 {
-    type Error = ErrorKind;
-}
-
-impl I2c for FakeNau7802 {
-    fn transaction(
-        &mut self,
-        address: u8,
-        operations: &mut [Operation<'_>],
-    ) -> Result<(), ErrorKind> {
-        let answers = address == ADDRESS && !self.is_dead;
-        transact(self, answers, operations)
-    }
-}
+on_i2c!(FakeNau7802);

@@ -79,6 +79,12 @@ pub enum Error<E> {
     Silent,
 }
 
+impl<E> From<E> for Error<E> {
+    fn from(bus: E) -> Self {
+        Self::Bus(bus)
+    }
+}
+
 /// The driver.
 #[derive(Debug)]
 pub struct Nau7802<I2C> {
@@ -92,16 +98,16 @@ impl<I2C: I2c> Nau7802<I2C> {
         Self { part: Registers { i2c, address: ADDRESS }, polls_without: 0 }
     }
 
-    /// Resets, identifies, finds its own offset and starts; takes about 0.4 s, and 1.1 s at most.
+    /// Resets, identifies, finds its own offset and starts; takes about 0.6 s, and 1.3 s at most.
     ///
     /// # Errors
     /// [`Error`]; may be called again.
     pub fn init(&mut self, delay: &mut impl DelayNs) -> Result<(), Error<I2C::Error>> {
-        self.write(reg::PU_CTRL, RESET)?;
+        self.part.write(reg::PU_CTRL, RESET)?;
         delay.delay_ms(1);
-        self.write(reg::PU_CTRL, DIGITAL_ON)?;
+        self.part.write(reg::PU_CTRL, DIGITAL_ON)?;
         self.wait(delay, POWER_TRIES, 1, reg::PU_CTRL, |found| found & POWER_READY != 0)?;
-        let found = self.read(reg::REVISION)?;
+        let found = self.part.read(reg::REVISION)?;
         if found & 0x0F != REVISION {
             return Err(Error::Identity { found });
         }
@@ -113,18 +119,19 @@ impl<I2C: I2c> Nau7802<I2C> {
             (reg::ADC, CHOPPER_OFF),
             (reg::PGA_PWR, CAPACITOR),
         ] {
-            self.write(register, value)?;
+            self.part.write(register, value)?;
         }
         // The regulator settles.
         delay.delay_ms(200);
-        self.write(reg::CTRL2, RATE_80 | CALIBRATE)?;
+        self.part.write(reg::CTRL2, RATE_80 | CALIBRATE)?;
         let is_done = |found| found & CALIBRATE == 0;
         let found = self.wait(delay, CALIBRATION_TRIES, 10, reg::CTRL2, is_done)?;
         if found & CALIBRATION_FAILED != 0 {
             return Err(Error::Calibration);
         }
         self.polls_without = 0;
-        self.write(reg::PU_CTRL, on | CYCLE_START)
+        self.part.write(reg::PU_CTRL, on | CYCLE_START)?;
+        Ok(())
     }
 
     /// Counts if a new conversion is there. Call it every 5 ms.
@@ -132,7 +139,7 @@ impl<I2C: I2c> Nau7802<I2C> {
     /// # Errors
     /// [`Error::Bus`], [`Error::Saturated`]; [`Error::Silent`] once per [`SILENT_POLLS`] without a conversion.
     pub fn poll(&mut self) -> Result<Option<i32>, Error<I2C::Error>> {
-        if self.read(reg::PU_CTRL)? & CYCLE_READY == 0 {
+        if self.part.read(reg::PU_CTRL)? & CYCLE_READY == 0 {
             self.polls_without += 1;
             if self.polls_without < SILENT_POLLS {
                 return Ok(None);
@@ -141,7 +148,7 @@ impl<I2C: I2c> Nau7802<I2C> {
             return Err(Error::Silent);
         }
         self.polls_without = 0;
-        let [high, middle, low] = self.part.read_from(reg::ADCO).map_err(Error::Bus)?;
+        let [high, middle, low] = self.part.read_from(reg::ADCO)?;
         let counts = i32::from_be_bytes([high, middle, low, 0]) >> 8;
         if counts >= FULL_SCALE || counts <= -FULL_SCALE {
             return Err(Error::Saturated);
@@ -163,22 +170,14 @@ impl<I2C: I2c> Nau7802<I2C> {
         register: u8,
         is_done: impl Fn(u8) -> bool,
     ) -> Result<u8, Error<I2C::Error>> {
-        let mut found = self.read(register)?;
+        let mut found = self.part.read(register)?;
         for _ in 0..tries {
             if is_done(found) {
                 return Ok(found);
             }
             delay.delay_ms(pause_ms);
-            found = self.read(register)?;
+            found = self.part.read(register)?;
         }
         Err(Error::NotReady { found })
-    }
-
-    fn write(&mut self, register: u8, value: u8) -> Result<(), Error<I2C::Error>> {
-        self.part.write(register, value).map_err(Error::Bus)
-    }
-
-    fn read(&mut self, register: u8) -> Result<u8, Error<I2C::Error>> {
-        self.part.read(register).map_err(Error::Bus)
     }
 }

@@ -52,6 +52,12 @@ pub enum Error<E> {
     Saturated,
 }
 
+impl<E> From<E> for Error<E> {
+    fn from(bus: E) -> Self {
+        Self::Bus(bus)
+    }
+}
+
 /// The driver.
 #[derive(Debug)]
 pub struct Ist8310<I2C> {
@@ -70,15 +76,16 @@ impl<I2C: I2c> Ist8310<I2C> {
     /// # Errors
     /// [`Error`]; may be called again.
     pub fn init(&mut self, delay: &mut impl DelayNs) -> Result<(), Error<I2C::Error>> {
-        self.write(reg::CONTROL_2, RESET)?;
+        self.part.write(reg::CONTROL_2, RESET)?;
         delay.delay_ms(10);
-        let found = self.read(reg::IDENTITY)?;
+        let found = self.part.read(reg::IDENTITY)?;
         if found != IDENTITY {
             return Err(Error::Identity { found });
         }
-        self.write(reg::AVERAGE, AVERAGE_16)?;
-        self.write(reg::PULSE, PULSE_NORMAL)?;
-        self.ask()
+        self.part.write(reg::AVERAGE, AVERAGE_16)?;
+        self.part.write(reg::PULSE, PULSE_NORMAL)?;
+        self.ask()?;
+        Ok(())
     }
 
     /// x, y, z in a right-handed frame, if a measurement is there, and asks for the next. Call it every 10 ms.
@@ -86,7 +93,7 @@ impl<I2C: I2c> Ist8310<I2C> {
     /// # Errors
     /// [`Error::Bus`], [`Error::Saturated`]; [`Error::Late`] once per [`LATE_POLLS`] without a measurement.
     pub fn poll(&mut self) -> Result<Option<[i16; 3]>, Error<I2C::Error>> {
-        if self.read(reg::STATUS)? & READY == 0 {
+        if self.part.read(reg::STATUS)? & READY == 0 {
             self.polls_without += 1;
             if self.polls_without < LATE_POLLS {
                 return Ok(None);
@@ -94,7 +101,7 @@ impl<I2C: I2c> Ist8310<I2C> {
             self.ask()?;
             return Err(Error::Late);
         }
-        let [x0, x1, y0, y1, z0, z1] = self.part.read_from(reg::DATA).map_err(Error::Bus)?;
+        let [x0, x1, y0, y1, z0, z1] = self.part.read_from(reg::DATA)?;
         self.ask()?;
         let [x, y, z] = [[x0, x1], [y0, y1], [z0, z1]].map(i16::from_le_bytes);
         if [x, y, z].iter().any(|n| n.unsigned_abs() >= RANGE.unsigned_abs()) {
@@ -109,16 +116,8 @@ impl<I2C: I2c> Ist8310<I2C> {
         &mut self.part.i2c
     }
 
-    fn ask(&mut self) -> Result<(), Error<I2C::Error>> {
+    fn ask(&mut self) -> Result<(), I2C::Error> {
         self.polls_without = 0;
-        self.write(reg::CONTROL_1, SINGLE)
-    }
-
-    fn write(&mut self, register: u8, value: u8) -> Result<(), Error<I2C::Error>> {
-        self.part.write(register, value).map_err(Error::Bus)
-    }
-
-    fn read(&mut self, register: u8) -> Result<u8, Error<I2C::Error>> {
-        self.part.read(register).map_err(Error::Bus)
+        self.part.write(reg::CONTROL_1, SINGLE)
     }
 }
