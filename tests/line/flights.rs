@@ -44,7 +44,7 @@ fn between(a: &nalgebra::Vector3<f64>, b: &V3<f32>) -> f64 {
 #[test]
 fn every_sensor_of_the_line_agrees_with_the_truth_within_its_errors() {
     let mut flight = holding(
-        "[sensors]\nvehicle_angles = true\nground_angles = true\ntension_cell = true\nmagnetometer = true\nsecond_imu = true\n\
+        "[sensors]\nvehicle_angles = true\nground_angles = true\ntension_cell = true\nmagnetometer = true\nmagnetic_offset = 0.0\nsecond_imu = true\n\
          [station]\nlength_slip = 0.01\nsupply_voltage = 400.0\nsupply_resistance = 0.2\n",
     );
     let mut worst = [0.0_f64; 5];
@@ -66,10 +66,10 @@ fn every_sensor_of_the_line_agrees_with_the_truth_within_its_errors() {
         assert!((second.gyro.0 - first.gyro.0).norm() < 0.2, "two gyros disagree");
     }
     let [angles, cell, station_cell, station_angles, field] = worst;
-    assert!(angles < 0.06, "a line that swings for 10 ms and an offset: {angles}");
-    assert!(cell < 1.5 && station_cell < 1.5, "{cell} {station_cell}");
-    assert!(station_angles < 0.05, "{station_angles}");
-    assert!(field < 0.5, "hard iron of 10 uT each axis: {field}");
+    assert!(angles < 0.01, "a line that swings for 10 ms and an offset: {angles}");
+    assert!(cell < 0.35 && station_cell < 0.4, "{cell} {station_cell}");
+    assert!(station_angles < 0.02, "{station_angles}");
+    assert!(field < 0.05, "soft iron of 3 %: {field}");
     // All of the power came up the line, and more length was shown than is out.
     let plant = &flight.world.environment.plant;
     assert!(plant.supply.current > 0.3, "{:?}", plant.supply);

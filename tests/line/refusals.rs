@@ -7,6 +7,12 @@ use tautline_tests::{flight, until};
 
 /// A vehicle of 3.5 kg that wants to go up 20 m of power tether.
 fn takeoff(tension: f32, density: f32) -> Flight<Vec<u8>> {
+    takeoff_on(25.0, tension, density)
+}
+
+/// To four fifths of a line of `length` m.
+fn takeoff_on(length: f32, tension: f32, density: f32) -> Flight<Vec<u8>> {
+    let altitude = 0.8 * length;
     let toml = format!(
         r#"
         [vehicle]
@@ -17,7 +23,7 @@ fn takeoff(tension: f32, density: f32) -> Flight<Vec<u8>> {
         [tether]
         preset = "power-30"
         model = "chain"
-        length = 25.0
+        length = {length}
         winch_length_max = 60.0
         winch_force_max = 100.0
         [params]
@@ -29,7 +35,7 @@ fn takeoff(tension: f32, density: f32) -> Flight<Vec<u8>> {
         do = "arm"
         [[mission]]
         do = "takeoff"
-        altitude = 20.0
+        altitude = {altitude}
         [[mission]]
         do = "hold"
         seconds = 100.0
@@ -74,6 +80,10 @@ fn a_line_that_no_tension_holds_is_refused_with_the_length_that_one_does() {
     let (text, length) = refusal(&mut takeoff(20.0, 0.5));
     assert!(text.contains("line too heavy beyond"), "{text}");
     assert!(length > 1.0 && length < 60.0, "{length}");
+    // That length is not too heavy, whatever else; a little more is.
+    let reason = |length: f32| refusal(&mut takeoff_on(length, 20.0, 0.5)).0;
+    assert!(reason(length).contains("thrust leaves tension"), "{}", reason(length));
+    assert!(reason(length + 0.3).contains("too heavy"), "{}", reason(length + 0.3));
 }
 
 #[test]

@@ -161,6 +161,19 @@ fn the_stations_direction_is_north_east_down_and_within_reason() {
 }
 
 #[test]
+fn a_second_inertial_sensor_that_has_not_started_or_is_stuck_is_none() {
+    let second = |counts: i16| {
+        let raw = RawImu { gyro: [counts; 3], accel: [counts; 3], temperature: 25.0 };
+        RawLineSensors { second_imu: Some(raw), ..RawLineSensors::default() }
+    };
+    assert!(once(&aligned(), second(i16::MIN)).second_imu.is_none(), "before it starts");
+    // A bus that floats: the same counts for ever.
+    let mut bench = Bench::new(&aligned());
+    let last = (0..1_000).map(|_| bench.line(second(-1))).last().unwrap();
+    assert!(last.second_imu.is_none());
+}
+
+#[test]
 fn a_sensor_that_falls_silent_is_forgotten_and_takes_no_other_along() {
     let params = Params { line_cell_scale: 1e-4, ..aligned() };
     let mut bench = Bench::new(&params);

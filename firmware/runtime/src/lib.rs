@@ -28,6 +28,7 @@ pub mod port;
 pub mod recorder;
 pub mod serial;
 pub mod settings;
+mod silence;
 pub mod slow;
 pub mod status;
 pub mod tasks;

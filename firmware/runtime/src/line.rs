@@ -1,6 +1,7 @@
 //! The line's own sensors at the vehicle: encoders, load cell, magnetometer. Each may be absent; read at its own pace,
 //! below the flight task.
 
+use crate::silence::Silence;
 use embedded_hal::delay::DelayNs;
 use embedded_hal::i2c::I2c;
 use tautline_firmware::signal::{RawAngles, RawLineSensors, RawMagnetometer, RawTension};
@@ -15,8 +16,6 @@ pub const ANGLES_MS: u64 = 10;
 pub const CELL_MS: u64 = 5;
 /// The magnetometer too.
 pub const MAGNETOMETER_MS: u64 = 10;
-/// A part that fails wants setting up after so long, ms.
-const SILENCE_MS: u64 = 500;
 
 /// What is fitted: each on its bus. Of the encoders the outer is an AS5600, the inner an AS5600L.
 #[derive(Debug)]
@@ -58,32 +57,29 @@ impl<A: I2c, C: I2c, M: I2c> LineDevices<A, C, M> {
     #[must_use]
     pub fn wants_set_up(&self) -> bool {
         let Self { angles, cell, magnetometer } = self;
-        let silences = [
-            angles.as_ref().map(|part| part.silent_ms),
-            cell.as_ref().map(|part| part.silent_ms),
-            magnetometer.as_ref().map(|part| part.silent_ms),
-        ];
-        silences.into_iter().flatten().any(|silent| silent >= SILENCE_MS)
+        angles.as_ref().is_some_and(|part| part.silence.is_long())
+            || cell.as_ref().is_some_and(|part| part.silence.is_long())
+            || magnetometer.as_ref().is_some_and(|part| part.silence.is_long())
     }
 
-    /// Sets up anew what has been silent for long; at most one try per silence. A load cell takes half a second: on the
-    /// ground only.
+    /// Sets up anew what has been silent for long; at most one try per silence. A load cell takes half a second and more:
+    /// on the ground only.
     pub fn revive(&mut self, delay: &mut impl DelayNs) {
-        self.set_up_where(delay, |silent_ms| silent_ms >= SILENCE_MS);
+        self.set_up_where(delay, Silence::is_long);
     }
 
-    fn set_up_where(&mut self, delay: &mut impl DelayNs, is_due: impl Fn(u64) -> bool) {
+    fn set_up_where(&mut self, delay: &mut impl DelayNs, is_due: impl Fn(&Silence) -> bool) {
         // A try that fails is silence anew: there is nobody to tell who could do more.
-        if let Some(part) = self.angles.as_mut().filter(|part| is_due(part.silent_ms)) {
-            part.silent_ms = 0;
+        if let Some(part) = self.angles.as_mut().filter(|part| is_due(&part.silence)) {
+            part.silence.begin_anew();
             part.driver.iter_mut().for_each(|encoder| _ = encoder.init());
         }
-        if let Some(part) = self.cell.as_mut().filter(|part| is_due(part.silent_ms)) {
-            part.silent_ms = 0;
+        if let Some(part) = self.cell.as_mut().filter(|part| is_due(&part.silence)) {
+            part.silence.begin_anew();
             let _ = part.driver.init(delay);
         }
-        if let Some(part) = self.magnetometer.as_mut().filter(|part| is_due(part.silent_ms)) {
-            part.silent_ms = 0;
+        if let Some(part) = self.magnetometer.as_mut().filter(|part| is_due(&part.silence)) {
+            part.silence.begin_anew();
             let _ = part.driver.init(delay);
         }
     }
@@ -93,7 +89,7 @@ impl<A: I2c, C: I2c, M: I2c> LineDevices<A, C, M> {
         let is_due = |every: u64| (at.0 / 1000).is_multiple_of(every);
         if let Some(fitted) = self.angles.as_mut().filter(|_| is_due(ANGLES_MS)) {
             let counts = fitted.driver.each_mut().map(As5600::poll);
-            fitted.note(ANGLES_MS, counts.iter().all(Result::is_ok));
+            fitted.silence.note(ANGLES_MS, counts.iter().all(Result::is_ok));
             if counts.iter().any(Result::is_ok) {
                 let counts = counts.map(|counts| counts.ok().flatten());
                 sensors.angles = Some(RawAngles { counts });
@@ -102,22 +98,22 @@ impl<A: I2c, C: I2c, M: I2c> LineDevices<A, C, M> {
         if let Some(fitted) = self.cell.as_mut().filter(|_| is_due(CELL_MS)) {
             match fitted.driver.poll() {
                 Ok(Some(counts)) => {
-                    fitted.note(CELL_MS, true);
+                    fitted.silence.note(CELL_MS, true);
                     sensors.tension = Some(RawTension { counts });
                 }
                 Ok(None) | Err(nau7802::Error::Saturated) => {}
-                Err(nau7802::Error::Silent) => fitted.note(SILENCE_MS, false),
-                Err(_) => fitted.note(CELL_MS, false),
+                Err(nau7802::Error::Silent) => fitted.silence.give_up(),
+                Err(_) => fitted.silence.note(CELL_MS, false),
             }
         }
         if let Some(fitted) = self.magnetometer.as_mut().filter(|_| is_due(MAGNETOMETER_MS)) {
             match fitted.driver.poll() {
                 Ok(Some(counts)) => {
-                    fitted.note(MAGNETOMETER_MS, true);
+                    fitted.silence.note(MAGNETOMETER_MS, true);
                     sensors.magnetometer = Some(RawMagnetometer { counts });
                 }
                 Ok(None) | Err(ist8310::Error::Saturated) => {}
-                Err(_) => fitted.note(MAGNETOMETER_MS, false),
+                Err(_) => fitted.silence.note(MAGNETOMETER_MS, false),
             }
         }
     }
@@ -142,15 +138,11 @@ impl<A: I2c, C: I2c, M: I2c> LineDevices<A, C, M> {
 #[derive(Debug)]
 struct Fitted<D> {
     driver: D,
-    silent_ms: u64,
+    silence: Silence,
 }
 
 impl<D> Fitted<D> {
     fn new(driver: D) -> Self {
-        Self { driver, silent_ms: 0 }
-    }
-
-    fn note(&mut self, passed_ms: u64, is_good: bool) {
-        self.silent_ms = if is_good { 0 } else { self.silent_ms + passed_ms };
+        Self { driver, silence: Silence::default() }
     }
 }

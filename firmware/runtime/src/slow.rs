@@ -1,5 +1,6 @@
 //! Barometer, rangefinder and battery: read at their own pace, below the flight task.
 
+use crate::silence::Silence;
 use embedded_hal::delay::DelayNs;
 use embedded_hal::i2c::I2c;
 use embedded_io::{Read, ReadReady};
@@ -14,8 +15,6 @@ use tautline_hal_shim::rangefinder::tfmini::TfMini;
 pub const BAROMETER_MS: u64 = 10;
 /// The battery too.
 pub const BATTERY_MS: u64 = 20;
-/// A barometer that fails is set up again after so many failures in a row, that is, half a second.
-const FAILURES: u8 = 50;
 
 /// The devices; a dead one is silent, and the sense stage notices.
 #[derive(Debug)]
@@ -26,7 +25,7 @@ pub struct SlowDevices<I2C, UART, V, C> {
     pub range: TfMini<UART>,
     /// On two analogue pins.
     pub battery: BatteryMonitor<V, C>,
-    failures: u8,
+    silence: Silence,
 }
 
 impl<I2C, UART, V, C> SlowDevices<I2C, UART, V, C>
@@ -42,7 +41,7 @@ where
             barometer: Dps310::new(i2c, dps310::ADDRESS),
             range: TfMini::new(uart),
             battery,
-            failures: 0,
+            silence: Silence::default(),
         }
     }
 
@@ -57,7 +56,7 @@ where
     /// Whether the barometer has been silent for so long that it wants setting up.
     #[must_use]
     pub fn wants_set_up(&self) -> bool {
-        self.failures >= FAILURES
+        self.silence.is_long()
     }
 
     /// One millisecond: whatever is due goes into `sensors`; what has nothing new leaves its place as it is.
@@ -66,12 +65,12 @@ where
         if ms.is_multiple_of(BAROMETER_MS) {
             match self.barometer.poll() {
                 Ok(reading) => {
-                    self.failures = 0;
+                    self.silence.note(BAROMETER_MS, true);
                     if let Some(reading) = reading {
                         sensors.barometer = Some(Sample { at, value: raw_barometer(&reading) });
                     }
                 }
-                Err(_) => self.failures = self.failures.saturating_add(1),
+                Err(_) => self.silence.note(BAROMETER_MS, false),
             }
         }
         if let Ok(Some(reading)) = self.range.poll() {
@@ -90,7 +89,7 @@ where
     /// Sets the barometer up anew after a long silence; at most one try per silence.
     pub fn revive(&mut self, delay: &mut impl DelayNs) {
         if self.wants_set_up() {
-            self.failures = 0;
+            self.silence.begin_anew();
             let _ = self.barometer.init(delay);
         }
     }

@@ -2,13 +2,14 @@
 //! silent is forgotten; one that was never heard costs a comparison.
 
 use super::calibrate::Calibration;
+use super::check::{ImuCheck, ImuCheckState};
 use super::mount::Mounting;
 use crate::frames::{Body, V3, World};
 use crate::math::so3;
 use crate::param::Params;
 use crate::scalar::Scalar;
 use crate::signal::{Imu, LineSensors, RawAngles, RawFairlead, RawImu, RawLineSensors};
-use crate::time::Micros;
+use crate::time::{Micros, Sample};
 
 /// Older than this it is not what the sensor says, µs.
 const TIMEOUT_US: u64 = 500_000;
@@ -39,6 +40,7 @@ pub(super) struct LineSense<S: Scalar> {
     field_per_ampere: [f32; 3],
     fairlead_zero: [f32; 2],
     calibration: Calibration<S>,
+    check: ImuCheck,
 }
 
 /// What moves.
@@ -47,12 +49,13 @@ pub(super) struct LineState<S: Scalar> {
     known: LineSensors<S>,
     /// In the order of [`LineSensors`].
     heard: [Micros; SENSORS],
+    second: ImuCheckState,
     /// Something was ever heard.
     is_used: bool,
 }
 
 impl<S: Scalar> LineSense<S> {
-    pub fn new(p: &Params, calibration: Calibration<S>) -> Self {
+    pub fn new(p: &Params, calibration: Calibration<S>, check: ImuCheck) -> Self {
         Self {
             angle_zero: [p.line_angle_zero_x, p.line_angle_zero_y],
             angle_sign: [p.line_angle_sign_x, p.line_angle_sign_y],
@@ -63,6 +66,7 @@ impl<S: Scalar> LineSense<S> {
             field_per_ampere: [p.mag_current_x, p.mag_current_y, p.mag_current_z],
             fairlead_zero: [p.station_azimuth_zero, p.station_elevation_zero],
             calibration,
+            check,
         }
     }
 
@@ -95,7 +99,10 @@ impl<S: Scalar> LineSense<S> {
         keep(&mut known.station_direction, station_direction, now, leaves);
         let field = raw.magnetometer.and_then(|raw| self.field(raw.counts, mounting, current));
         keep(&mut known.magnetic, magnetic, now, field);
-        let imu = raw.second_imu.map(|raw| self.imu(&raw, mounting));
+        let imu = raw.second_imu.and_then(|value| {
+            let is_usable = self.check.step(&mut state.second, now, &Sample { at: now, value });
+            is_usable.then(|| self.imu(&value, mounting))
+        });
         keep(&mut known.second_imu, second, now, imu);
         *known
     }

@@ -17,7 +17,7 @@ use crate::param::Params;
 use crate::scalar::Scalar;
 use crate::signal::{
     Capture, Imu, ImuHealth, RawBarometer, RawBattery, RawCapture, RawImu, RawLineSensors,
-    RawRange, RawTether, Sensors,
+    RawRange, RawTether, Sensors, take,
 };
 use crate::time::{Micros, Sample};
 use altimeter::{Altimeter, AltimeterState};
@@ -65,16 +65,13 @@ impl RawSensors {
         if !line.is_empty() {
             self.line.merge(line);
         }
-        *self = Self {
-            imu: imu.or(self.imu),
-            barometer: barometer.or(self.barometer),
-            range: range.or(self.range),
-            battery: battery.or(self.battery),
-            tether: tether.or(self.tether),
-            capture: capture.or(self.capture),
-            rod: rod.or(self.rod),
-            line: self.line,
-        };
+        take(&mut self.imu, imu);
+        take(&mut self.barometer, barometer);
+        take(&mut self.range, range);
+        take(&mut self.battery, battery);
+        take(&mut self.tether, tether);
+        take(&mut self.capture, capture);
+        take(&mut self.rod, rod);
     }
 }
 
@@ -132,7 +129,7 @@ impl<S: Scalar> Sense<S> {
         let mounting = Mounting::from_parameter(params.board_rotation);
         let calibration = Calibration::new(params, scale);
         Self {
-            line: LineSense::new(params, calibration),
+            line: LineSense::new(params, calibration, ImuCheck::new(params)),
             mounting: mounting.unwrap_or(Mounting::ALIGNED),
             mounting_is_known: mounting.is_some(),
             calibration,

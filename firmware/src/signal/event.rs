@@ -132,6 +132,9 @@ mod tests {
     fn a_text_that_is_too_long_is_cut_and_not_lost() {
         let long = Event::warning("0123456789 0123456789 0123456789 0123456789 012345\u{e9}789");
         assert_eq!(long.message(), "0123456789 0123456789 0123456789 0123456789 012345");
+        // A letter of two bytes does not stand half.
+        let straddles = Event::info("0123456789 0123456789 0123456789 0123456789 01234\u{e9}");
+        assert_eq!(straddles.message().len(), 49);
         let amount = Some(Amount { value: -0.25, unit: "m" });
         assert_eq!(Event { amount, ..Event::info("Off by") }.message(), "Off by -0.3 m");
     }

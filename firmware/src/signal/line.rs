@@ -57,20 +57,32 @@ impl RawLineSensors {
     /// Takes what is newer. Every field by name: one that is forgotten here does not compile.
     pub fn merge(&mut self, newer: Self) {
         let Self { angles, tension, magnetometer, second_imu, station_tension, fairlead } = newer;
-        *self = Self {
-            angles: angles.or(self.angles),
-            tension: tension.or(self.tension),
-            magnetometer: magnetometer.or(self.magnetometer),
-            second_imu: second_imu.or(self.second_imu),
-            station_tension: station_tension.or(self.station_tension),
-            fairlead: fairlead.or(self.fairlead),
-        };
+        take(&mut self.angles, angles);
+        take(&mut self.tension, tension);
+        take(&mut self.magnetometer, magnetometer);
+        take(&mut self.second_imu, second_imu);
+        take(&mut self.station_tension, station_tension);
+        take(&mut self.fairlead, fairlead);
     }
 
     /// Nothing is there.
     #[must_use]
     pub fn is_empty(&self) -> bool {
-        *self == Self::default()
+        let Self { angles, tension, magnetometer, second_imu, station_tension, fairlead } = self;
+        angles.is_none()
+            && tension.is_none()
+            && magnetometer.is_none()
+            && second_imu.is_none()
+            && station_tension.is_none()
+            && fairlead.is_none()
+    }
+}
+
+/// What is newer, if there is anything.
+#[inline]
+pub(crate) fn take<T>(known: &mut Option<T>, newer: Option<T>) {
+    if newer.is_some() {
+        *known = newer;
     }
 }
 

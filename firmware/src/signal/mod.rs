@@ -12,6 +12,7 @@ mod sensors;
 pub use command::{Actuation, MixerReport, WinchCommand, Wrench};
 pub use estimate::{Estimate, FilterHealth, TetherState};
 pub use event::{Amount, Event, EventQueue, Severity, TEXT_MAX};
+pub(crate) use line::take;
 pub use line::{LineSensors, RawAngles, RawFairlead, RawLineSensors, RawMagnetometer, RawTension};
 pub use per_rotor::{MAX_ROTORS, PerRotor};
 pub use reference::{FlightReference, LoadReference, PlanarReference, SphericalPoint, TautPurpose};

@@ -40,6 +40,7 @@ pub struct Inertial {
 }
 
 /// Three draws.
+#[inline]
 pub fn vector(rng: &mut Pcg64Mcg, mut draw: impl FnMut(&mut Pcg64Mcg) -> f64) -> V3 {
     let x = draw(rng);
     let y = draw(rng);
