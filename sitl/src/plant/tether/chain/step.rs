@@ -1,7 +1,9 @@
-//! A step of the line. Along the line one step is implicit: with `g = k (dt + β)`, `T = k e + g ė` at the step's end is a tridiagonal system
-//! for the tensions (coupled by the nodes' masses, the drum's and the vehicle's), so that stiffness asks for no tiny
-//! steps. Across the line, where frequencies are low, it is symplectic Euler. A segment that would push has no
-//! tension. Weight, air and flow are looked up every other step.
+//! A step of the line.
+//!
+//! Along the line it is implicit: with `g = k (dt + β)`, `T = k e + g ė` at the step's end is a tridiagonal system for the
+//! tensions (coupled by the nodes' masses, the drum's and the vehicle's), so that stiffness asks for no tiny steps.
+//! Across the line, where frequencies are low, it is symplectic Euler. A segment that would push has no tension.
+//! Weight, air and flow are looked up every other step.
 
 use super::{Chain, End, Material, Segment};
 use crate::plant::tether::drag::drag;
