@@ -44,13 +44,27 @@ impl Anchor {
         }
     }
 
+    /// Height of that ground, m.
+    #[must_use]
+    #[inline]
+    pub fn deck_height(&self) -> f64 {
+        if self.motion.is_some() { -self.position.z } else { 0.0 }
+    }
+
     /// Starts a walk from where it is.
     pub fn go(&mut self, walk: Walk) {
         self.walk = Some((walk, self.position, 0.0));
     }
 
     /// `dt` s ahead.
+    #[inline]
     pub fn step(&mut self, dt: f64) {
+        if self.motion.is_some() || self.walk.is_some() {
+            self.go_on(dt);
+        }
+    }
+
+    fn go_on(&mut self, dt: f64) {
         if let Some(motion) = &self.motion {
             self.time += dt;
             (self.position, self.velocity) = motion.at(self.time);

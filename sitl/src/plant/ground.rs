@@ -1,6 +1,7 @@
-//! Flat ground under four feet, which moves with the base that the station stands on: spring and damper upwards, stick and slip sideways.
+//! Flat ground under four feet, which moves with the base that the station stands on: spring and damper upwards, stick
+//! and slip sideways.
 
-use super::{Body, BodyModel, GRAVITY, V3};
+use super::{Anchor, Body, BodyModel, GRAVITY, V3};
 use crate::scenario::VehicleSection;
 use nalgebra::Rotation3;
 
@@ -71,13 +72,13 @@ impl Ground {
         model: &GroundModel,
         body: &Body,
         rotation: &Rotation3<f64>,
-        deck: (V3, V3),
+        base: &Anchor,
     ) -> (V3, V3) {
-        if body.height() + deck.0.z > model.reach() {
+        if body.height() - base.deck_height() > model.reach() {
             self.stuck = [None; 4];
             return (V3::zeros(), V3::zeros());
         }
-        self.touch(model, body, rotation, deck)
+        self.touch(model, body, rotation, base.deck())
     }
 
     fn touch(

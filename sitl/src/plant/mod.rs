@@ -230,7 +230,7 @@ impl Plant {
         force_body.z -= thrust;
 
         let (support, support_torque) =
-            self.ground.step(&m.ground, &self.body, &rotation, self.anchor.deck());
+            self.ground.step(&m.ground, &self.body, &rotation, &self.anchor);
         torque += support_torque;
         let mut force = support + rotation * force_body;
         if let Some(push) = &mut self.push {
@@ -288,7 +288,7 @@ impl Plant {
     /// Of the centre of mass over the ground or the deck, m.
     #[must_use]
     pub fn height_over_ground(&self) -> f64 {
-        self.anchor.deck().0.z - self.body.position.z
+        self.body.height() - self.anchor.deck_height()
     }
 
     /// Attachment of the tether from its anchor, m.
