@@ -1,8 +1,7 @@
 //! Golden vectors from an independent derivation.
 //!
 //! Checks every known file in `tests/golden/`, or in the folder that `GOLDEN_DIR` names. A folder without
-//! any fails, and so does a group that is unknown or without cases. Groups of what is not built yet and
-//! cases with a setting that their check does not know are counted as skipped and printed, and a file
+//! any fails, and so does a group that is unknown or without cases. Cases with a setting that their check does not know are counted as skipped and printed, and a file
 //! that holds nothing else fails, so that nobody takes a skipped file for a checked one. What is compared
 //! stands in `tests/vectors/`, one file per science; the harness has its own test, `golden_harness.rs`.
 
@@ -20,8 +19,9 @@ use tautline_firmware::fixed::Q16;
 use tautline_firmware::scalar::Scalar;
 use vectors::inventory::inventory;
 use vectors::{
-    file, folder, fullstate, inertial, inertial_worlds, localization, localization_worlds,
-    pendulum, pendulum_loops, planar, planar_loops, planar_observer, sysid,
+    catenary, file, folder, full_state, full_state_streams, fullstate, inertial, inertial_worlds,
+    localization, localization_worlds, pendulum, pendulum_loops, planar, planar_loops,
+    planar_observer, sysid,
 };
 
 macro_rules! every_group_is_known {
@@ -208,4 +208,17 @@ checks! {
     pendulum_vertical_disturbance_f32, "pendulum.json", |file| pendulum::vertical::<f32>(file, 1e-5);
     pendulum_plant_steps, "pendulum.json", pendulum_loops::plant_steps;
     pendulum_closed_loops, "pendulum.json", pendulum_loops::closed_loops;
+}
+
+// The specification's tolerances, `fullstate` section 16.
+checks! {
+    full_state_singles_f64, "fullstate.json", |file| full_state::singles::<f64>(file, full_state::DOUBLE);
+    full_state_singles_f32, "fullstate.json", |file| full_state::singles::<f32>(file, full_state::SINGLE);
+    full_state_stream_f64, "fullstate.json", |file| full_state_streams::first::<f64>(file, full_state::DOUBLE);
+    full_state_stream_f32, "fullstate.json", |file| full_state_streams::first::<f32>(file, full_state::SINGLE);
+    full_state_sensors_f64, "fullstate2.json", |file| full_state::singles_2::<f64>(file, full_state::DOUBLE);
+    full_state_sensors_f32, "fullstate2.json", |file| full_state::singles_2::<f32>(file, full_state::SINGLE);
+    full_state_dithered_stream_f64, "fullstate2.json", |file| full_state_streams::second::<f64>(file, full_state::DOUBLE);
+    full_state_dithered_stream_f32, "fullstate2.json", |file| full_state_streams::second::<f32>(file, full_state::SINGLE);
+    elastic_catenary, "fullstate2.json", catenary::check;
 }

@@ -105,22 +105,11 @@ fn a_file_of_which_nothing_is_checked_fails() {
     for (file, content) in [
         ("planar.json", json!({ "meta": {}, "groups": {} })),
         ("pendulum.json", json!({ "note": "", "seed": 1 })),
-        ("fullstate.json", json!({ "stream": { "dt": 0.01 }, "predict": [{}] })),
-        ("fullstate2.json", json!({ "meta": {}, "predict2": [{}], "stream2": { "dt": 0.01 } })),
     ] {
         let folder = Folder::with("nothing", file, &content);
         let why = folder.inventory(file).unwrap_err();
         assert!(why.contains("nothing is checked"), "{why}");
     }
-}
-
-#[test]
-fn groups_of_what_is_not_built_are_counted_as_skipped() {
-    let content = json!({ "mixer": [{}, {}], "predict": [{}, {}, {}] });
-    let folder = Folder::with("pending", "fullstate.json", &content);
-    let found = folder.inventory("fullstate.json").unwrap().unwrap();
-    assert_eq!(found.checked, [("mixer".to_owned(), 2)]);
-    assert_eq!(found.skipped, ["predict: 3 cases, not implemented yet"]);
 }
 
 /// A copy of the first case of a group with one setting more or another value.
@@ -161,10 +150,10 @@ fn a_case_with_an_unknown_setting_is_counted_as_skipped() {
 }
 
 #[test]
-fn in_our_own_folder_only_the_full_state_filter_is_skipped() {
+fn in_our_own_folder_nothing_is_skipped() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("golden");
     for file in FILES {
-        let Some(found) = inventory(&folder, file).unwrap() else { continue };
-        assert_eq!(found.skipped.is_empty(), !file.starts_with("fullstate"), "{:?}", found.skipped);
+        let found = inventory(&folder, file).unwrap().unwrap();
+        assert!(found.skipped.is_empty(), "{file}: {:?}", found.skipped);
     }
 }

@@ -318,6 +318,9 @@ impl Scalar for Q16 {
         }
         Self((z + (1 << 12)) >> 13)
     }
+    fn tanh(self) -> Self {
+        Self::from_f32(libm::tanhf(self.to_f32()))
+    }
     fn is_finite(self) -> bool {
         true
     }

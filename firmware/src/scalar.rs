@@ -37,6 +37,8 @@ pub trait Scalar:
     fn sin_cos(self) -> (Self, Self);
     /// Angle of the point `(x, self)`, in [-pi, pi]; zero at the origin.
     fn atan2(self, x: Self) -> Self;
+    /// Hyperbolic tangent.
+    fn tanh(self) -> Self;
     /// Neither infinite nor NaN. Always true in fixed point.
     fn is_finite(self) -> bool;
 
@@ -80,7 +82,7 @@ pub trait Scalar:
 }
 
 macro_rules! float_scalar {
-    ($t:ident, $sqrt:path, $sincos:path, $atan2:path) => {
+    ($t:ident, $sqrt:path, $sincos:path, $atan2:path, $tanh:path) => {
         impl Scalar for $t {
             const IS_FLOATING: bool = true;
 
@@ -109,6 +111,10 @@ macro_rules! float_scalar {
                 $atan2(self, x)
             }
             #[inline]
+            fn tanh(self) -> Self {
+                $tanh(self)
+            }
+            #[inline]
             fn is_finite(self) -> bool {
                 $t::is_finite(self)
             }
@@ -120,5 +126,5 @@ macro_rules! float_scalar {
     };
 }
 
-float_scalar!(f32, crate::math::root::sqrt, crate::math::trig::sin_cos, libm::atan2f);
-float_scalar!(f64, libm::sqrt, libm::sincos, libm::atan2);
+float_scalar!(f32, crate::math::root::sqrt, crate::math::trig::sin_cos, libm::atan2f, libm::tanhf);
+float_scalar!(f64, libm::sqrt, libm::sincos, libm::atan2, libm::tanh);

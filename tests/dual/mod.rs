@@ -119,6 +119,10 @@ impl Scalar for Dual {
         let (sin, cos) = self.value.sin_cos();
         (dual(sin, cos * self.slope), dual(cos, -sin * self.slope))
     }
+    fn tanh(self) -> Self {
+        let tanh = self.value.tanh();
+        dual(tanh, (1.0 - tanh * tanh) * self.slope)
+    }
     fn atan2(self, x: Self) -> Self {
         let square = self.value * self.value + x.value * x.value;
         dual(self.value.atan2(x.value), (self.slope * x.value - self.value * x.slope) / square)

@@ -13,27 +13,7 @@ use tautline_firmware::param::Params;
 use tautline_firmware::scalar::Scalar;
 use tautline_firmware::signal::{MixerReport, Wrench};
 
-/// The full-state filter comes later; its groups are known, and not checked yet.
-pub const PENDING: [&str; 11] = [
-    "predict", "sforce", "acc_H", "upd_acc", "upd_alt", "upd_len", "upd_rad", "upd_fc", "upd_yaw",
-    "upd_vh", "stream",
-];
-/// `fullstate2.json`: everything is of the same filter.
-pub const PENDING_2: [&str; 13] = [
-    "predict2",
-    "acc2",
-    "len2",
-    "cell",
-    "dir_vehicle",
-    "dir_ground",
-    "pos",
-    "flow",
-    "gust_sd",
-    "boost",
-    "catenary",
-    "dither",
-    "stream2",
-];
+/// Groups of the blocks around the filter.
 pub const GROUPS: [&str; 6] = ["mahony", "ekf4", "outer", "attitude_cmd", "rate_loop", "mixer"];
 
 fn row_major<S: Scalar>(m: &M3<S>) -> Vec<S> {

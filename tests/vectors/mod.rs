@@ -1,5 +1,9 @@
 //! Reading and comparing golden vectors.
 
+pub mod catenary;
+pub mod full_state;
+pub mod full_state_case;
+pub mod full_state_streams;
 pub mod fullstate;
 pub mod inertial;
 pub mod inertial_worlds;

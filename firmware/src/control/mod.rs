@@ -5,6 +5,7 @@
 //! the integrators read that report.
 
 mod attitude;
+mod dither;
 mod mixer;
 pub mod pendulum;
 mod position;
@@ -15,6 +16,7 @@ mod thrust_map;
 mod vertical;
 
 pub use attitude::{AttitudeCommand, AttitudeLoop};
+pub use dither::{Dither, DitherState, Shape};
 pub use mixer::{Mixer, Priority};
 pub use position::{PositionInput, PositionLoop, PositionOutput, PositionState, RadialControl};
 pub use rate::{RateLoop, RateSetpoint, RateState};

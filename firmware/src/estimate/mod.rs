@@ -16,6 +16,7 @@
 
 pub mod capture;
 mod ekf4;
+pub mod full_state;
 pub mod high_gain;
 pub mod localization;
 mod mahony;

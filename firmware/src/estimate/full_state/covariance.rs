@@ -1,0 +1,160 @@
+//! A symmetric covariance in blocks of three, upper triangle only.
+//!
+//! Nine vectors of three make the error state; a filter that goes without the last ones uses a prefix of the
+//! storage, because the triangle is packed by columns.
+
+use crate::frames::{M3, V3};
+use crate::scalar::Scalar;
+
+/// From the anchor, world axes, m.
+pub const POSITION: usize = 0;
+/// World axes, m/s.
+pub const VELOCITY: usize = 1;
+/// Of the attitude, body axes, rad: the true rotation is `R exp([θ]×)`.
+pub const TILT: usize = 2;
+/// Tension, N; thrust scale; altimeter bias, m.
+pub const SCALARS: usize = 3;
+/// Accelerometer bias, m/s².
+pub const ACCEL_BIAS: usize = 4;
+/// Gyro bias, rad/s.
+pub const GYRO_BIAS: usize = 5;
+/// Mean wind force over mass, world axes, m/s².
+pub const WIND: usize = 6;
+/// Gust force over mass, world axes, m/s².
+pub const GUST: usize = 7;
+/// A sensor's offset, two components; the third stays zero.
+pub const OFFSET: usize = 8;
+/// Vectors of three in the error state.
+pub const BLOCKS: usize = 9;
+
+const PACKED: usize = BLOCKS * (BLOCKS + 1) / 2;
+
+/// One vector for each block: an error, a gain, a column.
+pub type Blocks<S> = [V3<S>; BLOCKS];
+
+/// Symmetric, `3 BLOCKS` square.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Covariance<S: Scalar> {
+    upper: [M3<S>; PACKED],
+}
+
+const fn packed(row: usize, column: usize) -> usize {
+    column * (column + 1) / 2 + row
+}
+
+impl<S: Scalar> Covariance<S> {
+    /// From standard deviations.
+    #[must_use]
+    pub fn from_deviations(deviations: &Blocks<S>) -> Self {
+        let mut all = Self { upper: [M3::zeros(); PACKED] };
+        for (i, deviation) in deviations.iter().enumerate() {
+            all.set(i, i, M3::from_diagonal(&deviation.map(|sd| sd * sd)));
+        }
+        all
+    }
+
+    /// The block of `row` and `column`, of either triangle.
+    #[inline(always)]
+    #[must_use]
+    pub fn block(&self, row: usize, column: usize) -> M3<S> {
+        let (at, is_upper) =
+            if row <= column { (packed(row, column), true) } else { (packed(column, row), false) };
+        let block = self.upper.get(at).copied().unwrap_or_else(M3::zeros);
+        if is_upper { block } else { block.transpose() }
+    }
+
+    /// Sets the block of `row` and `column`, `row <= column`; on the diagonal, a symmetric one.
+    #[inline(always)]
+    pub fn set(&mut self, row: usize, column: usize, value: M3<S>) {
+        if let Some(block) = self.upper.get_mut(packed(row, column)) {
+            *block = value;
+        }
+    }
+
+    /// Adds independent noise to a block's components.
+    #[inline]
+    pub fn inflate(&mut self, block: usize, variance: &V3<S>) {
+        if let Some(own) = self.upper.get_mut(packed(block, block)) {
+            own.m11 += variance.x;
+            own.m22 += variance.y;
+            own.m33 += variance.z;
+        }
+    }
+
+    /// Variances of a block's components.
+    #[must_use]
+    pub fn variances(&self, block: usize) -> V3<S> {
+        self.block(block, block).diagonal()
+    }
+
+    /// Takes `Σ gain columnᵀ` from the first `used` blocks: one pass for all rows of a measurement.
+    #[inline]
+    pub fn reduce<const M: usize>(&mut self, used: usize, rows: &[Reduction<S>; M]) {
+        let mut upper = self.upper.iter_mut();
+        for j in 0..used {
+            for i in 0..=j {
+                let Some(block) = upper.next() else { return };
+                for row in rows {
+                    let (Some(b), Some(column)) = (row.column.get(i), row.column.get(j)) else {
+                        return;
+                    };
+                    sub_outer(block, &(b * row.inverse), column);
+                }
+            }
+        }
+    }
+
+    /// Whether every variance is a number and none is negative.
+    #[must_use]
+    pub fn is_sound(&self, used: usize) -> bool {
+        (0..used).all(|i| self.variances(i).iter().all(|&v| v.is_finite() && v >= S::zero()))
+    }
+}
+
+/// What one row of a measurement takes from the covariance: `column columnᵀ inverse`.
+#[derive(Clone, Copy, Debug)]
+pub struct Reduction<S: Scalar> {
+    /// `P hᵀ`, with the rows before it taken.
+    pub column: Blocks<S>,
+    /// One over the innovation's variance; zero for a row left out.
+    pub inverse: S,
+}
+
+#[inline(always)]
+fn sub_outer<S: Scalar>(block: &mut M3<S>, a: &V3<S>, b: &V3<S>) {
+    let [[a0, a1, a2]] = a.data.0;
+    let [b] = &b.data.0;
+    for ([x, y, z], &b) in block.data.0.iter_mut().zip(b) {
+        *x -= a0 * b;
+        *y -= a1 * b;
+        *z -= a2 * b;
+    }
+}
+
+/// `a b`.
+#[inline(always)]
+#[must_use]
+pub fn mul<S: Scalar>(a: &M3<S>, b: &M3<S>) -> M3<S> {
+    let mut product = M3::zeros();
+    add_mul(&mut product, a, b);
+    product
+}
+
+/// `sum + a b`.
+#[inline(always)]
+pub fn add_mul<S: Scalar>(sum: &mut M3<S>, a: &M3<S>, b: &M3<S>) {
+    let [p, q, r] = &a.data.0;
+    for ([x, y, z], [k, l, m]) in sum.data.0.iter_mut().zip(&b.data.0) {
+        *x += p[0] * *k + q[0] * *l + r[0] * *m;
+        *y += p[1] * *k + q[1] * *l + r[1] * *m;
+        *z += p[2] * *k + q[2] * *l + r[2] * *m;
+    }
+}
+
+/// `sum + k a`.
+#[inline(always)]
+pub fn add_scaled<S: Scalar>(sum: &mut M3<S>, k: S, a: &M3<S>) {
+    for (sum, a) in sum.data.0.iter_mut().flatten().zip(a.data.0.iter().flatten()) {
+        *sum += k * *a;
+    }
+}
