@@ -111,9 +111,9 @@ impl Errors {
                 blocks[row][column][(r, c)] = S::lit(at(i, j));
             }
         }
-        for column in 0..BLOCKS {
-            for row in 0..=column {
-                state.covariance.set(row, column, blocks[row][column]);
+        for (row, blocks) in blocks.iter().enumerate() {
+            for (column, block) in blocks.iter().enumerate().skip(row) {
+                state.covariance.set(row, column, *block);
             }
         }
         state
