@@ -10,6 +10,8 @@ fn main() {
 
 #[cfg(target_os = "none")]
 mod blocks;
+#[cfg(all(target_os = "none", target_abi = "eabihf"))]
+mod full_state;
 #[cfg(target_os = "none")]
 mod meter;
 #[cfg(all(target_os = "none", target_abi = "eabihf"))]
@@ -18,7 +20,7 @@ mod talk;
 #[cfg(target_os = "none")]
 mod board {
     #[cfg(target_abi = "eabihf")]
-    use super::talk;
+    use super::{full_state, talk};
     use super::{blocks, meter::Meter};
     use cortex_m_semihosting::debug;
 
@@ -29,6 +31,7 @@ mod board {
         {
             blocks::common::<f32>(&mut meter, "f32");
             blocks::single(&mut meter);
+            full_state::parts(&mut meter);
             talk::all(&mut meter);
         }
         #[cfg(not(target_abi = "eabihf"))]
