@@ -54,7 +54,7 @@ impl<S: Scalar> Covariance<S> {
     }
 
     /// The block of `row` and `column`, of either triangle.
-    #[inline(always)]
+    #[inline]
     #[must_use]
     pub fn block(&self, row: usize, column: usize) -> M3<S> {
         let (at, is_upper) =
@@ -63,11 +63,39 @@ impl<S: Scalar> Covariance<S> {
         if is_upper { block } else { block.transpose() }
     }
 
+    /// The same where both are known as the code is written: which triangle costs nothing then.
+    #[inline(always)]
+    pub(super) fn at<const ROW: usize, const COLUMN: usize>(&self) -> M3<S> {
+        if ROW <= COLUMN {
+            self.upper[const { packed(ROW, COLUMN) }]
+        } else {
+            self.upper[const { packed(COLUMN, ROW) }].transpose()
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn at_mut<const ROW: usize, const COLUMN: usize>(&mut self) -> &mut M3<S> {
+        &mut self.upper[const { packed(ROW, COLUMN) }]
+    }
+
     /// Sets the block of `row` and `column`, `row <= column`; on the diagonal, a symmetric one.
     #[inline(always)]
     pub fn set(&mut self, row: usize, column: usize, value: M3<S>) {
         if let Some(block) = self.upper.get_mut(packed(row, column)) {
             *block = value;
+        }
+    }
+
+    /// Multiplies a block's row and column by a factor for each component.
+    pub(super) fn scale(&mut self, block: usize, used: usize, factor: &V3<S>) {
+        let column = packed(0, block)..packed(block, block) + 1;
+        for own in self.upper.get_mut(column).into_iter().flatten() {
+            scale_columns(own, factor);
+        }
+        for later in block..used {
+            if let Some(own) = self.upper.get_mut(packed(block, later)) {
+                scale_rows(own, factor);
+            }
         }
     }
 
@@ -87,18 +115,19 @@ impl<S: Scalar> Covariance<S> {
         self.block(block, block).diagonal()
     }
 
-    /// Takes `Σ gain columnᵀ` from the first `used` blocks: one pass for all rows of a measurement.
+    /// Takes `Σ inverse column columnᵀ` from the first `used` blocks: one pass for all rows of a measurement.
     #[inline]
-    pub fn reduce<const M: usize>(&mut self, used: usize, rows: &[Reduction<S>; M]) {
+    pub(super) fn reduce<const M: usize>(&mut self, used: usize, rows: &[Pending<S, M>; M]) {
         let mut upper = self.upper.iter_mut();
         for j in 0..used {
-            for i in 0..=j {
-                let Some(block) = upper.next() else { return };
-                for row in rows {
-                    let (Some(b), Some(column)) = (row.column.get(i), row.column.get(j)) else {
-                        return;
-                    };
-                    sub_outer(block, &(b * row.inverse), column);
+            let scaled = rows.each_ref().map(|row| {
+                row.column.get(j).map_or_else(V3::zeros, |column| column * row.inverse)
+            });
+            for (i, block) in (0..=j).zip(&mut upper) {
+                for (row, scaled) in rows.iter().zip(&scaled) {
+                    if let Some(column) = row.column.get(i) {
+                        sub_outer(block, column, scaled);
+                    }
                 }
             }
         }
@@ -111,23 +140,52 @@ impl<S: Scalar> Covariance<S> {
     }
 }
 
-/// What one row of a measurement takes from the covariance: `column columnᵀ inverse`.
-#[derive(Clone, Copy, Debug)]
-pub struct Reduction<S: Scalar> {
+/// A row of a measurement on its way through the elimination.
+pub(super) struct Pending<S: Scalar, const M: usize> {
     /// `P hᵀ`, with the rows before it taken.
     pub column: Blocks<S>,
     /// One over the innovation's variance; zero for a row left out.
     pub inverse: S,
+    /// Its product with each row.
+    pub product: [S; M],
+    pub innovation: Option<S>,
 }
 
 #[inline(always)]
 fn sub_outer<S: Scalar>(block: &mut M3<S>, a: &V3<S>, b: &V3<S>) {
-    let [[a0, a1, a2]] = a.data.0;
-    let [b] = &b.data.0;
-    for ([x, y, z], &b) in block.data.0.iter_mut().zip(b) {
-        *x -= a0 * b;
-        *y -= a1 * b;
-        *z -= a2 * b;
+    let ([a], [b]) = (&a.data.0, &b.data.0);
+    for (column, b) in block.data.0.iter_mut().zip(b) {
+        for (entry, a) in column.iter_mut().zip(a) {
+            *entry -= *a * *b;
+        }
+    }
+}
+
+fn scale_columns<S: Scalar>(block: &mut M3<S>, factor: &V3<S>) {
+    let [factor] = &factor.data.0;
+    for (column, factor) in block.data.0.iter_mut().zip(factor) {
+        for entry in column {
+            *entry *= *factor;
+        }
+    }
+}
+
+fn scale_rows<S: Scalar>(block: &mut M3<S>, factor: &V3<S>) {
+    for column in &mut block.data.0 {
+        let [factor] = &factor.data.0;
+        for (entry, factor) in column.iter_mut().zip(factor) {
+            *entry *= *factor;
+        }
+    }
+}
+
+/// `sum + a bᵀ`.
+#[inline(always)]
+pub fn add_outer<S: Scalar>(sum: &mut M3<S>, a: &[S; 3], b: &[S; 3]) {
+    for (column, b) in sum.data.0.iter_mut().zip(b) {
+        for (entry, a) in column.iter_mut().zip(a) {
+            *entry += *a * *b;
+        }
     }
 }
 

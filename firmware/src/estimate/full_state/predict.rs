@@ -3,11 +3,12 @@
 use super::FullStateFilter;
 use super::covariance::{
     ACCEL_BIAS, BLOCKS, Covariance, GUST, GYRO_BIAS, OFFSET, POSITION, SCALARS, TILT, VELOCITY,
-    WIND, add_mul, add_scaled, mul,
+    WIND, add_mul, add_outer, add_scaled, mul,
 };
 use super::model::{Geometry, Load, gravity};
 use super::noise::StepGust;
 use super::state::FullState;
+use super::update::{Column, Of};
 use crate::fault::Fault;
 use crate::frames::{M3, V3};
 use crate::math::so3;
@@ -16,6 +17,7 @@ use crate::scalar::Scalar;
 /// The rows of the transition that are not the identity.
 struct Transition<S: Scalar> {
     dt: S,
+    has_gust: bool,
     /// Of velocity by itself.
     damping: S,
     /// Of velocity by position.
@@ -39,35 +41,53 @@ pub(super) fn attitude_e3<S: Scalar>(r: &M3<S>) -> M3<S> {
 impl<S: Scalar> Transition<S> {
     /// The position's row times a column of blocks.
     #[inline(always)]
-    fn position(&self, column: impl Fn(usize) -> M3<S>) -> M3<S> {
-        let mut row = column(POSITION);
-        add_scaled(&mut row, self.dt, &column(VELOCITY));
+    fn position(&self, column: &impl Column<S>) -> M3<S> {
+        let mut row = column.at::<POSITION>();
+        add_scaled(&mut row, self.dt, &column.at::<VELOCITY>());
         row
     }
 
     #[inline(always)]
-    fn velocity(&self, has_gust: bool, column: impl Fn(usize) -> M3<S>) -> M3<S> {
-        let mut row = column(WIND);
-        if has_gust {
-            add_scaled(&mut row, S::one(), &column(GUST));
+    fn velocity(&self, column: &impl Column<S>) -> M3<S> {
+        let mut row = column.at::<WIND>();
+        if self.has_gust {
+            row += column.at::<GUST>();
         }
         row *= self.dt;
-        add_scaled(&mut row, self.damping, &column(VELOCITY));
-        add_mul(&mut row, &self.stiffness, &column(POSITION));
-        add_mul(&mut row, &self.leaning, &column(TILT));
-        add_mul(
-            &mut row,
-            &M3::from_columns(&[self.pull, self.thrust, V3::zeros()]),
-            &column(SCALARS),
-        );
+        add_scaled(&mut row, self.damping, &column.at::<VELOCITY>());
+        add_mul(&mut row, &self.stiffness, &column.at::<POSITION>());
+        // Nothing leans by yaw, and nothing pulls by the altimeter's bias.
+        let [roll, pitch, _] = self.leaning.data.0;
+        let (tilt, scalars) = (column.at::<TILT>(), column.at::<SCALARS>());
+        add_outer(&mut row, &roll, &first_row(&tilt));
+        add_outer(&mut row, &pitch, &second_row(&tilt));
+        let ([pull], [thrust]) = (self.pull.data.0, self.thrust.data.0);
+        add_outer(&mut row, &pull, &first_row(&scalars));
+        add_outer(&mut row, &thrust, &second_row(&scalars));
         row
     }
 
     #[inline(always)]
-    fn tilt(&self, column: impl Fn(usize) -> M3<S>) -> M3<S> {
-        let mut row = mul(&self.turning, &column(TILT));
-        add_scaled(&mut row, -self.dt, &column(GYRO_BIAS));
+    fn tilt(&self, column: &impl Column<S>) -> M3<S> {
+        let mut row = mul(&self.turning, &column.at::<TILT>());
+        add_scaled(&mut row, -self.dt, &column.at::<GYRO_BIAS>());
         row
+    }
+}
+
+/// A row of blocks, read as the column that it is transposed.
+struct Across<'a, S: Scalar>(&'a Row<S>);
+
+type Row<S> = [M3<S>; BLOCKS];
+
+impl<S: Scalar> Column<S> for Across<'_, S> {
+    #[inline(always)]
+    fn at<const BLOCK: usize>(&self) -> M3<S> {
+        self.0[BLOCK].transpose()
+    }
+    #[inline(always)]
+    fn get(&self, block: usize) -> M3<S> {
+        self.0.get(block).map_or_else(M3::zeros, M3::transpose)
     }
 }
 
@@ -124,6 +144,7 @@ impl<S: Scalar> FullStateFilter<S> {
         let turn = rate * dt;
         let transition = Transition {
             dt,
+            has_gust: self.noise.gust.is_some(),
             damping: S::one() - self.model.drag * dt,
             stiffness,
             leaning,
@@ -159,57 +180,58 @@ impl<S: Scalar> FullStateFilter<S> {
     }
 
     /// `F P Fᵀ`: the rows first, then of those the columns, upper triangle only.
+    #[inline]
     fn spread(&self, p: &mut Covariance<S>, f: &Transition<S>) {
-        let has_gust = self.noise.gust.is_some();
-        let mut rows = [[M3::zeros(); BLOCKS]; 3];
-        {
-            let [position, velocity, tilt] = &mut rows;
-            let each = position.iter_mut().zip(velocity).zip(tilt).enumerate();
-            for (j, ((position, velocity), tilt)) in each.take(self.used) {
-                let column = |k| p.block(k, j);
-                *position = f.position(column);
-                *velocity = f.velocity(has_gust, column);
-                *tilt = f.tilt(column);
-            }
+        let mut position = [M3::zeros(); BLOCKS];
+        let (mut velocity, mut tilt) = (position, position);
+        macro_rules! column {
+            ($j:expr) => {
+                position[$j] = f.position(&Of::<_, { $j }>(p));
+                velocity[$j] = f.velocity(&Of::<_, { $j }>(p));
+                if $j >= TILT {
+                    tilt[$j] = f.tilt(&Of::<_, { $j }>(p));
+                }
+            };
         }
-        let [position, velocity, tilt] = &rows;
-        let across =
-            |row: &[M3<S>; BLOCKS], k: usize| row.get(k).map_or_else(M3::zeros, M3::transpose);
-        p.set(POSITION, POSITION, f.position(|k| across(position, k)));
-        p.set(POSITION, VELOCITY, f.velocity(has_gust, |k| across(position, k)).transpose());
-        p.set(VELOCITY, VELOCITY, f.velocity(has_gust, |k| across(velocity, k)));
-        p.set(POSITION, TILT, f.tilt(|k| across(position, k)).transpose());
-        p.set(VELOCITY, TILT, f.tilt(|k| across(velocity, k)).transpose());
-        p.set(TILT, TILT, f.tilt(|k| across(tilt, k)));
+        column!(POSITION);
+        column!(VELOCITY);
+        column!(TILT);
+        column!(SCALARS);
+        column!(ACCEL_BIAS);
+        column!(GYRO_BIAS);
+        column!(WIND);
+        if self.used > GUST {
+            column!(GUST);
+        }
+        if self.used > OFFSET {
+            column!(OFFSET);
+        }
+        *p.at_mut::<POSITION, POSITION>() = f.position(&Across(&position));
+        *p.at_mut::<POSITION, VELOCITY>() = f.velocity(&Across(&position)).transpose();
+        *p.at_mut::<VELOCITY, VELOCITY>() = f.velocity(&Across(&velocity));
+        *p.at_mut::<POSITION, TILT>() = f.tilt(&Across(&position)).transpose();
+        *p.at_mut::<VELOCITY, TILT>() = f.tilt(&Across(&velocity)).transpose();
+        *p.at_mut::<TILT, TILT>() = f.tilt(&Across(&tilt));
         for j in SCALARS..self.used {
-            for (i, row) in rows.iter().enumerate() {
+            for (i, row) in [&position, &velocity, &tilt].into_iter().enumerate() {
                 if let Some(block) = row.get(j) {
                     p.set(i, j, *block);
                 }
             }
-            self.fade(p, j);
         }
+        self.fade(p);
     }
 
-    /// A decaying state's column.
-    fn fade(&self, p: &mut Covariance<S>, column: usize) {
+    /// What decays in the wind, the gusts and the offset.
+    fn fade(&self, p: &mut Covariance<S>) {
         let n = &self.noise;
         let same = |left: S| V3::new(left, left, left);
-        let left = match column {
-            WIND => same(n.wind_left),
-            GUST => n.gust.as_ref().map_or_else(V3::zeros, |gust| gust.left),
-            OFFSET if n.offset_left < S::one() => same(n.offset_left),
-            _ => return,
-        };
-        for row in 0..column {
-            p.set(row, column, across_columns(&p.block(row, column), &left));
+        p.scale(WIND, self.used, &same(n.wind_left));
+        if let Some(gust) = &n.gust {
+            p.scale(GUST, self.used, &gust.left);
         }
-        let own = across_columns(&p.block(column, column), &left);
-        p.set(column, column, across_columns(&own.transpose(), &left));
-        // The rows of this block that stand in the columns after it fade as well.
-        for later in column + 1..self.used {
-            let block = p.block(column, later).transpose();
-            p.set(column, later, across_columns(&block, &left).transpose());
+        if self.used > OFFSET && n.offset_left < S::one() {
+            p.scale(OFFSET, self.used, &same(n.offset_left));
         }
     }
 
@@ -231,15 +253,14 @@ impl<S: Scalar> FullStateFilter<S> {
     }
 }
 
-fn across_columns<S: Scalar>(block: &M3<S>, factor: &V3<S>) -> M3<S> {
-    let mut scaled = *block;
-    let [factors] = &factor.data.0;
-    for (column, factor) in scaled.data.0.iter_mut().zip(factors) {
-        for entry in column {
-            *entry *= *factor;
-        }
-    }
-    scaled
+#[inline(always)]
+fn first_row<S: Scalar>(m: &M3<S>) -> [S; 3] {
+    [m.m11, m.m12, m.m13]
+}
+
+#[inline(always)]
+fn second_row<S: Scalar>(m: &M3<S>) -> [S; 3] {
+    [m.m21, m.m22, m.m23]
 }
 
 /// Squared scale of the gusts, (m/s²)²: a share of the significant part of the wind.

@@ -8,7 +8,7 @@ use super::covariance::{
 use super::model::{Geometry, GroundEnd, Load};
 use super::predict::attitude_e3;
 use super::state::FullState;
-use super::update::{Rows, Sparse};
+use super::update::{Column, Rows, Sparse};
 use crate::fault::Fault;
 use crate::frames::{M3, V3};
 use crate::math::{so3, wrap_pi};
@@ -20,7 +20,9 @@ struct AccelRows<S: Scalar> {
     attitude: M3<S>,
     drag: S,
     has_gust: bool,
+    /// Transposed.
     by_position: M3<S>,
+    /// Transposed.
     by_tilt: M3<S>,
     by_tension: V3<S>,
     /// Of the down axis.
@@ -28,22 +30,28 @@ struct AccelRows<S: Scalar> {
 }
 
 impl<S: Scalar> Rows<S, 3> for AccelRows<S> {
+    const IS_DENSE: bool = true;
+
     #[inline(always)]
-    fn project(&self, column: impl Fn(usize) -> M3<S>) -> [V3<S>; 3] {
-        let mut air = column(WIND);
+    fn project(&self, column: &impl Column<S>) -> [V3<S>; 3] {
+        let mut air = column.at::<WIND>();
         if self.has_gust {
-            add_scaled(&mut air, S::one(), &column(GUST));
+            air += column.at::<GUST>();
         }
-        add_scaled(&mut air, -self.drag, &column(VELOCITY));
-        let mut sum = column(ACCEL_BIAS);
-        add_mul(&mut sum, &air, &self.attitude);
-        add_mul(&mut sum, &column(POSITION), &self.by_position.transpose());
-        add_mul(&mut sum, &column(TILT), &self.by_tilt.transpose());
-        let scalars = column(SCALARS);
-        let (o, t) = (S::zero(), &self.by_tension);
-        let by = M3::new(t.x, t.y, t.z, o, o, self.by_thrust_scale, o, o, o);
-        add_mul(&mut sum, &scalars, &by);
-        sum.data.0.map(V3::from)
+        add_scaled(&mut air, -self.drag, &column.at::<VELOCITY>());
+        let mut sum = column.at::<ACCEL_BIAS>().transpose();
+        add_mul(&mut sum, &air.transpose(), &self.attitude);
+        add_mul(&mut sum, &column.at::<POSITION>().transpose(), &self.by_position);
+        add_mul(&mut sum, &column.at::<TILT>().transpose(), &self.by_tilt);
+        let scalars = column.at::<SCALARS>().transpose();
+        let (tension, scale) = (so3::col_x(&scalars), so3::col_y(&scalars));
+        let [[x, y, z]] = self.by_tension.data.0;
+        let [first, second, third] = sum.data.0.map(V3::from);
+        [
+            first + tension * x,
+            second + tension * y,
+            third + tension * z + scale * self.by_thrust_scale,
+        ]
     }
 }
 
@@ -64,8 +72,8 @@ impl<S: Scalar> FullStateFilter<S> {
             attitude: *r,
             drag: self.model.drag,
             has_gust: self.noise.gust.is_some(),
-            by_position,
-            by_tilt,
+            by_position: by_position.transpose(),
+            by_tilt: by_tilt.transpose(),
             by_tension: so3::transpose_mul(r, &g.u) * (-S::one() / mass),
             by_thrust_scale: -load.thrust / mass,
         };
@@ -82,8 +90,7 @@ impl<S: Scalar> FullStateFilter<S> {
         let (rows, expected) = self.accel_rows(state, load);
         let mut derivative = [[V3::zeros(); BLOCKS]; 3];
         for block in 0..BLOCKS {
-            let unit = |k| if k == block { M3::identity() } else { M3::zeros() };
-            for (row, own) in derivative.iter_mut().zip(rows.project(unit)) {
+            for (row, own) in derivative.iter_mut().zip(rows.project(&Unit(block))) {
                 if let Some(entry) = row.get_mut(block) {
                     *entry = own;
                 }
@@ -205,6 +212,18 @@ impl<S: Scalar> FullStateFilter<S> {
         let rows = Sparse([(VELOCITY, level_rows())]);
         let nu = [Some(north - state.velocity.x), Some(east - state.velocity.y)];
         self.update(state, &rows, nu, sd * sd)
+    }
+}
+
+/// The identity in one block.
+struct Unit(usize);
+
+impl<S: Scalar> Column<S> for Unit {
+    fn at<const BLOCK: usize>(&self) -> M3<S> {
+        self.get(BLOCK)
+    }
+    fn get(&self, block: usize) -> M3<S> {
+        if block == self.0 { M3::identity() } else { M3::zeros() }
     }
 }
 
