@@ -19,9 +19,9 @@ mod talk;
 
 #[cfg(target_os = "none")]
 mod board {
+    use super::{blocks, meter::Meter};
     #[cfg(target_abi = "eabihf")]
     use super::{full_state, talk};
-    use super::{blocks, meter::Meter};
     use cortex_m_semihosting::debug;
 
     #[cortex_m_rt::entry]

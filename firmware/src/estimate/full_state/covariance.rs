@@ -3,6 +3,7 @@
 //! Nine vectors of three make the error state; a filter that goes without the last ones uses a prefix of the
 //! storage, because the triangle is packed by columns.
 
+use super::blocks::{add_outer, scale_columns, scale_rows};
 use crate::frames::{M3, V3};
 use crate::scalar::Scalar;
 
@@ -88,13 +89,14 @@ impl<S: Scalar> Covariance<S> {
 
     /// Multiplies a block's row and column by a factor for each component.
     pub(super) fn scale(&mut self, block: usize, used: usize, factor: &V3<S>) {
+        let [factor] = &factor.data.0;
         let column = packed(0, block)..packed(block, block) + 1;
         for own in self.upper.get_mut(column).into_iter().flatten() {
-            scale_columns(own, factor);
+            scale_columns(own, *factor);
         }
         for later in block..used {
             if let Some(own) = self.upper.get_mut(packed(block, later)) {
-                scale_rows(own, factor);
+                scale_rows(own, *factor);
             }
         }
     }
@@ -117,18 +119,31 @@ impl<S: Scalar> Covariance<S> {
 
     /// Takes `Σ inverse column columnᵀ` from the first `used` blocks: one pass for all rows of a measurement.
     #[inline]
-    pub(super) fn reduce<const M: usize>(&mut self, used: usize, rows: &[Pending<S, M>; M]) {
+    pub(super) fn reduce<const M: usize>(
+        &mut self,
+        used: usize,
+        columns: &[[V3<S>; M]; BLOCKS],
+        inverses: &[S; M],
+    ) {
         let mut upper = self.upper.iter_mut();
-        for j in 0..used {
-            let scaled = rows.each_ref().map(|row| {
-                row.column.get(j).map_or_else(V3::zeros, |column| column * row.inverse)
-            });
-            for (i, block) in (0..=j).zip(&mut upper) {
-                for (row, scaled) in rows.iter().zip(&scaled) {
-                    if let Some(column) = row.column.get(i) {
-                        sub_outer(block, column, scaled);
-                    }
+        for (j, own) in columns.iter().take(used).enumerate() {
+            let mut scaled = *own;
+            for (column, inverse) in scaled.iter_mut().zip(inverses) {
+                *column *= -*inverse;
+            }
+            for (columns, block) in columns.iter().take(j + 1).zip(&mut upper) {
+                let mut reduced = *block;
+                // Written out: a loop would fetch and store the block for each row.
+                if let ([a, ..], [x, ..]) = (&columns[..], &scaled[..]) {
+                    add_outer(&mut reduced, a, x);
                 }
+                if let ([_, b, ..], [_, y, ..]) = (&columns[..], &scaled[..]) {
+                    add_outer(&mut reduced, b, y);
+                }
+                if let ([_, _, c], [_, _, z]) = (&columns[..], &scaled[..]) {
+                    add_outer(&mut reduced, c, z);
+                }
+                *block = reduced;
             }
         }
     }
@@ -137,82 +152,5 @@ impl<S: Scalar> Covariance<S> {
     #[must_use]
     pub fn is_sound(&self, used: usize) -> bool {
         (0..used).all(|i| self.variances(i).iter().all(|&v| v.is_finite() && v >= S::zero()))
-    }
-}
-
-/// A row of a measurement on its way through the elimination.
-pub(super) struct Pending<S: Scalar, const M: usize> {
-    /// `P hᵀ`, with the rows before it taken.
-    pub column: Blocks<S>,
-    /// One over the innovation's variance; zero for a row left out.
-    pub inverse: S,
-    /// Its product with each row.
-    pub product: [S; M],
-    pub innovation: Option<S>,
-}
-
-#[inline(always)]
-fn sub_outer<S: Scalar>(block: &mut M3<S>, a: &V3<S>, b: &V3<S>) {
-    let ([a], [b]) = (&a.data.0, &b.data.0);
-    for (column, b) in block.data.0.iter_mut().zip(b) {
-        for (entry, a) in column.iter_mut().zip(a) {
-            *entry -= *a * *b;
-        }
-    }
-}
-
-fn scale_columns<S: Scalar>(block: &mut M3<S>, factor: &V3<S>) {
-    let [factor] = &factor.data.0;
-    for (column, factor) in block.data.0.iter_mut().zip(factor) {
-        for entry in column {
-            *entry *= *factor;
-        }
-    }
-}
-
-fn scale_rows<S: Scalar>(block: &mut M3<S>, factor: &V3<S>) {
-    for column in &mut block.data.0 {
-        let [factor] = &factor.data.0;
-        for (entry, factor) in column.iter_mut().zip(factor) {
-            *entry *= *factor;
-        }
-    }
-}
-
-/// `sum + a bᵀ`.
-#[inline(always)]
-pub fn add_outer<S: Scalar>(sum: &mut M3<S>, a: &[S; 3], b: &[S; 3]) {
-    for (column, b) in sum.data.0.iter_mut().zip(b) {
-        for (entry, a) in column.iter_mut().zip(a) {
-            *entry += *a * *b;
-        }
-    }
-}
-
-/// `a b`.
-#[inline(always)]
-#[must_use]
-pub fn mul<S: Scalar>(a: &M3<S>, b: &M3<S>) -> M3<S> {
-    let mut product = M3::zeros();
-    add_mul(&mut product, a, b);
-    product
-}
-
-/// `sum + a b`.
-#[inline(always)]
-pub fn add_mul<S: Scalar>(sum: &mut M3<S>, a: &M3<S>, b: &M3<S>) {
-    let [p, q, r] = &a.data.0;
-    for ([x, y, z], [k, l, m]) in sum.data.0.iter_mut().zip(&b.data.0) {
-        *x += p[0] * *k + q[0] * *l + r[0] * *m;
-        *y += p[1] * *k + q[1] * *l + r[1] * *m;
-        *z += p[2] * *k + q[2] * *l + r[2] * *m;
-    }
-}
-
-/// `sum + k a`.
-#[inline(always)]
-pub fn add_scaled<S: Scalar>(sum: &mut M3<S>, k: S, a: &M3<S>) {
-    for (sum, a) in sum.data.0.iter_mut().flatten().zip(a.data.0.iter().flatten()) {
-        *sum += k * *a;
     }
 }

@@ -9,6 +9,7 @@
 //! The error state has 27 components in nine blocks of three (`covariance.rs`); a filter without a sensor offset uses
 //! the first eight, one without gusts the first seven.
 
+mod blocks;
 mod covariance;
 mod line_rows;
 mod model;

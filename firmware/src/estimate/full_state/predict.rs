@@ -1,9 +1,10 @@
 //! One step ahead: the state by the force model, the covariance by blocks (`fullstate` sections 3 and 18).
 
 use super::FullStateFilter;
+use super::blocks::{add_mul, add_outer, add_scaled, mul};
 use super::covariance::{
     ACCEL_BIAS, BLOCKS, Covariance, GUST, GYRO_BIAS, OFFSET, POSITION, SCALARS, TILT, VELOCITY,
-    WIND, add_mul, add_outer, add_scaled, mul,
+    WIND,
 };
 use super::model::{Geometry, Load, gravity};
 use super::noise::StepGust;
@@ -57,13 +58,12 @@ impl<S: Scalar> Transition<S> {
         add_scaled(&mut row, self.damping, &column.at::<VELOCITY>());
         add_mul(&mut row, &self.stiffness, &column.at::<POSITION>());
         // Nothing leans by yaw, and nothing pulls by the altimeter's bias.
-        let [roll, pitch, _] = self.leaning.data.0;
+        let (roll, pitch) = (so3::col_x(&self.leaning), so3::col_y(&self.leaning));
         let (tilt, scalars) = (column.at::<TILT>(), column.at::<SCALARS>());
         add_outer(&mut row, &roll, &first_row(&tilt));
         add_outer(&mut row, &pitch, &second_row(&tilt));
-        let ([pull], [thrust]) = (self.pull.data.0, self.thrust.data.0);
-        add_outer(&mut row, &pull, &first_row(&scalars));
-        add_outer(&mut row, &thrust, &second_row(&scalars));
+        add_outer(&mut row, &self.pull, &first_row(&scalars));
+        add_outer(&mut row, &self.thrust, &second_row(&scalars));
         row
     }
 
@@ -254,13 +254,13 @@ impl<S: Scalar> FullStateFilter<S> {
 }
 
 #[inline(always)]
-fn first_row<S: Scalar>(m: &M3<S>) -> [S; 3] {
-    [m.m11, m.m12, m.m13]
+fn first_row<S: Scalar>(m: &M3<S>) -> V3<S> {
+    V3::new(m.m11, m.m12, m.m13)
 }
 
 #[inline(always)]
-fn second_row<S: Scalar>(m: &M3<S>) -> [S; 3] {
-    [m.m21, m.m22, m.m23]
+fn second_row<S: Scalar>(m: &M3<S>) -> V3<S> {
+    V3::new(m.m21, m.m22, m.m23)
 }
 
 /// Squared scale of the gusts, (m/s²)²: a share of the significant part of the wind.

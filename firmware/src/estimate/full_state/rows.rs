@@ -2,8 +2,9 @@
 //! heading, and the slack velocity.
 
 use super::FullStateFilter;
+use super::blocks::{add_mul, add_scaled};
 use super::covariance::{
-    ACCEL_BIAS, BLOCKS, Blocks, GUST, POSITION, SCALARS, TILT, VELOCITY, WIND, add_mul, add_scaled,
+    ACCEL_BIAS, BLOCKS, Blocks, GUST, POSITION, SCALARS, TILT, VELOCITY, WIND,
 };
 use super::model::{Geometry, GroundEnd, Load};
 use super::predict::attitude_e3;

@@ -5,7 +5,7 @@
 //! over once. That is the same as one scalar update after the other.
 
 use super::FullStateFilter;
-use super::covariance::{BLOCKS, Blocks, Covariance, Pending};
+use super::covariance::{BLOCKS, Blocks, Covariance};
 use super::state::FullState;
 use crate::fault::Fault;
 use crate::frames::{M3, V3};
@@ -48,9 +48,12 @@ impl<S: Scalar> Column<S> for Any<'_, S> {
 }
 
 /// The columns of the rows themselves.
-struct Stacked<'a, S: Scalar, const M: usize>(&'a [Pending<S, M>; M]);
+struct Own<'a, S: Scalar, const M: usize>(&'a Columns<S, M>);
 
-impl<S: Scalar, const M: usize> Column<S> for Stacked<'_, S, M> {
+/// `P hᵀ` of each row, by blocks.
+type Columns<S, const M: usize> = [[V3<S>; M]; BLOCKS];
+
+impl<S: Scalar, const M: usize> Column<S> for Own<'_, S, M> {
     #[inline(always)]
     fn at<const BLOCK: usize>(&self) -> M3<S> {
         self.get(BLOCK)
@@ -58,8 +61,8 @@ impl<S: Scalar, const M: usize> Column<S> for Stacked<'_, S, M> {
     #[inline(always)]
     fn get(&self, block: usize) -> M3<S> {
         let mut columns = [V3::zeros(); 3];
-        for (own, pending) in columns.iter_mut().zip(self.0) {
-            *own = pending.column.get(block).copied().unwrap_or_else(V3::zeros);
+        for (own, column) in columns.iter_mut().zip(self.0.get(block).into_iter().flatten()) {
+            *own = *column;
         }
         M3::from_columns(&columns)
     }
@@ -106,93 +109,110 @@ impl<S: Scalar> FullStateFilter<S> {
         innovations: [Option<S>; M],
         variance: S,
     ) -> Result<S, Fault> {
-        let mut pending = self.columns(&state.covariance, rows, innovations);
-        let (error, nis) = self.eliminate(&mut pending, variance);
-        state.covariance.reduce(self.used, &pending);
+        let mut columns = self.columns(&state.covariance, rows);
+        let products = rows.project(&Own(&columns));
+        let factors = Factors::new(products, innovations, variance, self.gate);
+        let error = factors.eliminate(&mut columns);
+        state.covariance.reduce(self.used, &columns, &factors.inverse);
         state.inject(&error)?;
-        Ok(nis)
+        Ok(factors.nis)
     }
 
-    fn columns<R: Rows<S, M>, const M: usize>(
-        &self,
-        p: &Covariance<S>,
-        rows: &R,
-        innovations: [Option<S>; M],
-    ) -> [Pending<S, M>; M] {
-        let mut pending = innovations.map(|innovation| Pending {
-            column: [V3::zeros(); BLOCKS],
-            inverse: S::zero(),
-            product: [S::zero(); M],
-            innovation: innovation.filter(|nu| nu.is_finite()),
-        });
-        let mut put = |at: usize, columns: [V3<S>; M]| {
-            for (row, column) in pending.iter_mut().zip(columns) {
-                if let Some(own) = row.column.get_mut(at) {
-                    *own = column;
-                }
-            }
-        };
+    fn columns<R: Rows<S, M>, const M: usize>(&self, p: &Covariance<S>, rows: &R) -> Columns<S, M> {
+        let mut columns = [[V3::zeros(); M]; BLOCKS];
         if R::IS_DENSE {
-            put(0, rows.project(&Of::<_, 0>(p)));
-            put(1, rows.project(&Of::<_, 1>(p)));
-            put(2, rows.project(&Of::<_, 2>(p)));
-            put(3, rows.project(&Of::<_, 3>(p)));
-            put(4, rows.project(&Of::<_, 4>(p)));
-            put(5, rows.project(&Of::<_, 5>(p)));
-            put(6, rows.project(&Of::<_, 6>(p)));
+            columns[0] = rows.project(&Of::<_, 0>(p));
+            columns[1] = rows.project(&Of::<_, 1>(p));
+            columns[2] = rows.project(&Of::<_, 2>(p));
+            columns[3] = rows.project(&Of::<_, 3>(p));
+            columns[4] = rows.project(&Of::<_, 4>(p));
+            columns[5] = rows.project(&Of::<_, 5>(p));
+            columns[6] = rows.project(&Of::<_, 6>(p));
             if self.used > 7 {
-                put(7, rows.project(&Of::<_, 7>(p)));
+                columns[7] = rows.project(&Of::<_, 7>(p));
             }
             if self.used > 8 {
-                put(8, rows.project(&Of::<_, 8>(p)));
+                columns[8] = rows.project(&Of::<_, 8>(p));
             }
         } else {
-            for i in 0..self.used {
-                put(i, rows.project(&Any(p, i)));
+            for (i, own) in columns.iter_mut().enumerate().take(self.used) {
+                *own = rows.project(&Any(p, i));
             }
         }
-        let products = rows.project(&Stacked(&pending));
-        for (row, product) in pending.iter_mut().zip(products) {
-            for (own, value) in row.product.iter_mut().zip(product.iter()) {
-                *own = *value;
+        columns
+    }
+}
+
+/// How the rows depend on one another: row after row, what each leaves of those that follow.
+struct Factors<S, const M: usize> {
+    /// Of a row, by the earlier one that it takes it from.
+    share: [[S; M]; M],
+    /// One over the innovation's variance; zero for a row left out.
+    inverse: [S; M],
+    /// Innovation within the gate, over its variance.
+    taken: [S; M],
+    /// Sum of the squared normalised innovations.
+    nis: S,
+}
+
+impl<S: Scalar, const M: usize> Factors<S, M> {
+    /// From `H P Hᵀ`.
+    fn new(products: [V3<S>; M], innovations: [Option<S>; M], variance: S, gate: S) -> Self {
+        let o = S::zero();
+        let mut factors = Self { share: [[o; M]; M], inverse: [o; M], taken: [o; M], nis: o };
+        let mut rows = products.map(|row| {
+            let [row] = row.data.0;
+            row
+        });
+        let mut innovations = innovations.map(|nu| nu.filter(|nu| nu.is_finite()));
+        for at in 0..M {
+            let Some(innovation) = pick(&innovations, at) else { continue };
+            let Some(own) = rows.get(at).copied() else { break };
+            let s = (pick(&own, at) + variance).max(S::lit(1e-9));
+            let inverse = S::one() / s;
+            factors.nis += innovation * innovation * inverse;
+            let taken = innovation.limit_abs(gate * s.sqrt()) * inverse;
+            place(&mut factors.inverse, at, inverse);
+            place(&mut factors.taken, at, taken);
+            let later = rows.iter_mut().zip(&mut innovations).zip(&mut factors.share).skip(at + 1);
+            for ((row, innovation), shares) in later {
+                let coupling = pick(row, at);
+                let share = coupling * inverse;
+                place(shares, at, share);
+                for (entry, first) in row.iter_mut().zip(&own) {
+                    *entry -= *first * share;
+                }
+                *innovation = innovation.map(|nu| nu - coupling * taken);
             }
         }
-        pending
+        factors
     }
 
-    /// Row after row: what each takes from those that follow, and what it adds to the error.
-    fn eliminate<const M: usize>(
-        &self,
-        pending: &mut [Pending<S, M>; M],
-        variance: S,
-    ) -> (Blocks<S>, S) {
-        let (mut error, mut nis) = ([V3::zeros(); BLOCKS], S::zero());
-        let mut rest = &mut pending[..];
-        for at in 0..M {
-            let Some((row, later)) = rest.split_first_mut() else { break };
-            rest = later;
-            let own = row.product.get(at).copied().unwrap_or_else(S::zero);
-            let Some(innovation) = row.innovation else { continue };
-            let s = (own + variance).max(S::lit(1e-9));
-            let inverse = S::one() / s;
-            row.inverse = inverse;
-            nis += innovation * innovation * inverse;
-            let taken = innovation.limit_abs(self.gate * s.sqrt()) * inverse;
-            for (sum, column) in error.iter_mut().zip(&row.column) {
-                *sum += column * taken;
-            }
-            for next in rest.iter_mut() {
-                let coupling = next.product.get(at).copied().unwrap_or_else(S::zero);
-                let share = coupling * inverse;
-                for (column, first) in next.column.iter_mut().zip(&row.column) {
-                    *column -= first * share;
+    /// Takes the earlier rows from each column; gives the error.
+    fn eliminate(&self, columns: &mut Columns<S, M>) -> Blocks<S> {
+        let mut error = [V3::zeros(); BLOCKS];
+        for (sum, columns) in error.iter_mut().zip(columns) {
+            for at in 0..M {
+                let first = pick(columns, at);
+                *sum += first * pick(&self.taken, at);
+                for (column, shares) in columns.iter_mut().zip(&self.share).skip(at + 1) {
+                    *column -= first * pick(shares, at);
                 }
-                for (product, first) in next.product.iter_mut().zip(&row.product) {
-                    *product -= *first * share;
-                }
-                next.innovation = next.innovation.map(|nu| nu - coupling * taken);
             }
         }
-        (error, nis)
+        error
+    }
+}
+
+/// An entry of a list, by a loop over its length.
+#[inline(always)]
+fn pick<T: Copy + Default>(list: &[T], at: usize) -> T {
+    list.get(at).copied().unwrap_or_default()
+}
+
+#[inline(always)]
+fn place<T>(list: &mut [T], at: usize, value: T) {
+    if let Some(entry) = list.get_mut(at) {
+        *entry = value;
     }
 }
