@@ -2,7 +2,7 @@
 //! made anew, a [`Part`] at a time. Constructors are not inlined: they stand in the image once, for both ways.
 
 use crate::control::{
-    AttitudeLoop, ClimbLoop, Mixer, PositionLoop, RadialControl, RateLoop, ThrustMap,
+    AttitudeLoop, ClimbLoop, Dither, Mixer, PositionLoop, RadialControl, RateLoop, Shape, ThrustMap,
 };
 use crate::math::GRAVITY;
 use crate::mode::ModeConfig;
@@ -21,6 +21,7 @@ pub(crate) struct Config<S: Scalar> {
     pub navigation: Navigation<S>,
     pub planner: Planner<S>,
     pub position: PositionLoop<S>,
+    pub dither: Dither<S>,
     pub attitude: AttitudeLoop<S>,
     pub climb: ClimbLoop<S>,
     pub rate: RateLoop<S>,
@@ -175,6 +176,14 @@ impl<S: Scalar> Constants<S> {
     }
 }
 
+fn dither<S: Scalar>(p: &Params) -> Dither<S> {
+    Dither {
+        amplitude: S::from_f32(p.dither),
+        period: S::from_f32(p.dither_period),
+        shape: Shape::Soft,
+    }
+}
+
 fn touch_down<S: Scalar>(p: &Params) -> TouchDown<S> {
     let f = S::from_f32;
     TouchDown { weight: f(p.mass) * S::lit(GRAVITY), ground_height: f(p.ground_height) }
@@ -189,6 +198,7 @@ impl<S: Scalar> Config<S> {
             sense,
             planner: Planner::new(p),
             position: PositionLoop::new(p),
+            dither: dither(p),
             attitude: AttitudeLoop::new(p),
             climb: climb(p),
             rate: RateLoop::new(p),
@@ -226,7 +236,10 @@ impl<S: Scalar> Config<S> {
             Part::TautLink => self.modes.taut = ModeConfig::taut(p),
             Part::TetherAngle => self.modes.angle = ModeConfig::angle(p),
             Part::Pendulum => self.modes.pendulum = ModeConfig::pendulum(p),
-            Part::Constants => self.constants = Constants::new(p),
+            Part::Constants => {
+                self.constants = Constants::new(p);
+                self.dither = dither(p);
+            }
         }
         true
     }

@@ -66,6 +66,8 @@ macro_rules! boxes {
 boxes! {
     /// The position filter on a tether.
     Cable: "cable";
+    /// The full-state filter beside it.
+    FullState: "full-state";
     /// Taut Force, Taut Attitude, their observer, the slack start.
     TautLink: "taut-link";
     /// Tether Angle and its filters.

@@ -128,8 +128,9 @@ single! {
     TetherState { elevation, azimuth, length, tension; is_taut }
     FilterHealth { accel, altitude, length }
     Estimate {
-        attitude, rate, gyro_bias, height, climb, position, velocity, tether, position_sd, thrust, health;
-        is_levelled, has_diverged
+        attitude, rate, gyro_bias, height, climb, position, velocity, tether, position_sd, air_force, thrust,
+        health;
+        restarts, source, is_levelled, has_diverged
     }
     FlightReference { position, velocity, yaw, tension }
     PlanarReference { elevation, second }

@@ -34,8 +34,8 @@ const PART: u64 = 1024 * KIB;
 /// Every technique of the core.
 const EVERYTHING: &str = "everything";
 /// What `cargo xtask size --full` builds the reference board's image with, one by one.
-const CORES: [&str; 7] =
-    ["", "cable", "taut-link", "tether-angle", "capture", "pendulum", EVERYTHING];
+const CORES: [&str; 8] =
+    ["", "cable", "full-state", "taut-link", "tether-angle", "capture", "pendulum", EVERYTHING];
 
 /// All images.
 pub const IMAGES: [Image; 5] = [

@@ -33,14 +33,19 @@ impl<S: Scalar> Dither<S> {
     /// What to add to the tension's set-point, N.
     #[must_use]
     pub fn offset(&self, state: &DitherState<S>) -> S {
+        self.wave(state) * self.amplitude
+    }
+
+    /// The same as a share of the amplitude.
+    #[must_use]
+    pub fn wave(&self, state: &DitherState<S>) -> S {
         let (sin, _) = (state.0 * S::lit(core::f64::consts::TAU)).sin_cos();
-        let wave = match self.shape {
+        match self.shape {
             Shape::Soft => (sin * S::lit(2.0)).tanh() * S::lit(1.0 / TANH_2),
             Shape::Square if sin > S::zero() => S::one(),
             Shape::Square if sin < S::zero() => -S::one(),
             Shape::Square => S::zero(),
-        };
-        wave * self.amplitude
+        }
     }
 
     /// Goes on by `dt` s, at most a period.

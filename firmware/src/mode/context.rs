@@ -4,20 +4,26 @@ use super::Handover;
 use super::pendulum::RodWatch;
 use super::setpoints::Setpoints;
 use crate::config::Config;
-use crate::control::{AttitudeCommand, RadialControl};
+use crate::control::{AttitudeCommand, DitherState, RadialControl};
 use crate::estimate::taut::TautEstimatorState;
 use crate::frames::{Body, V3, World};
 use crate::math::wrap_pi;
 use crate::navigation::NavigationState;
 use crate::param::Params;
 use crate::scalar::Scalar;
-use crate::signal::{Estimate, Imu, MixerReport, Sensors, Sticks};
+use crate::signal::{Estimate, Imu, MixerReport, PositionSource, Sensors, SphericalPoint, Sticks};
 use crate::supervisor::GroundState;
 use crate::time::{Micros, OUTER_DT, Sample};
 
 /// Slew of the tension set-point, N/s.
 const TENSION_RISE: f64 = 3.0;
 const TENSION_FALL: f64 = 2.0;
+/// Largest movement of the tension, as a share of it, and the share of the thrust that it may use.
+const DITHER_SHARE: f64 = 0.5;
+const DITHER_RESERVE: f64 = 0.9;
+/// Height over the ground below which the tension does not move, m, and over which it grows to its full amplitude.
+const DITHER_GROUND: f64 = 0.3;
+const DITHER_FADE: f64 = 0.5;
 /// A joystick that was silent this long is not there.
 pub(crate) const STICKS_TIMEOUT_US: u64 = 1_000_000;
 
@@ -28,6 +34,7 @@ pub(crate) struct Situation<S: Scalar> {
     pub estimate: Estimate<S>,
     pub smoothed: Option<Smoothed<S>>,
     pub taut: TautEstimatorState<S>,
+    pub dither: DitherState<S>,
     /// While a rod on top is seen.
     pub rod: Option<RodWatch<S>>,
     pub sticks: Option<Sample<Sticks>>,
@@ -104,7 +111,13 @@ impl<S: Scalar> Context<'_, S> {
 
     /// Nothing new: on the ground, or for this step.
     pub fn unchanged(&self, tension: S) -> Setpoints<S> {
-        Setpoints { tension, wants_down: false, notice: None, ..self.situation.setpoints }
+        Setpoints {
+            tension,
+            dither: S::zero(),
+            wants_down: false,
+            notice: None,
+            ..self.situation.setpoints
+        }
     }
 
     /// Set-points without a place.
@@ -140,5 +153,41 @@ impl<S: Scalar> Context<'_, S> {
         };
         let dt = S::lit(OUTER_DT);
         now + (target - now).limit(-S::lit(TENSION_FALL) * dt, S::lit(TENSION_RISE) * dt)
+    }
+
+    /// How far to move the tension off its set-point now, N. Not in slack, nor near the ground; less where the line
+    /// would sag or the thrust end.
+    pub(super) fn dither(&self, tension: S) -> S {
+        let (constants, estimate) = (&self.config.constants, &self.situation.estimate);
+        let Some(tether) = estimate.tether.filter(|tether| tether.is_taut) else {
+            return S::zero();
+        };
+        if estimate.source != PositionSource::FullState {
+            return S::zero();
+        }
+        let floor = match constants.radial_control {
+            RadialControl::Winch => S::zero(),
+            RadialControl::FixedLength | RadialControl::Free => self.config.position.tension_min,
+        };
+        let place = SphericalPoint {
+            elevation: tether.elevation,
+            azimuth: tether.azimuth,
+            length: tether.length,
+        };
+        let least = constants.line.least_tension(&place).max(floor);
+        let reserve = S::lit(DITHER_RESERVE) * self.config.position.thrust_max;
+        let most = constants.line.most_tension(&place, constants.weight, reserve);
+        let amplitude = self
+            .config
+            .dither
+            .amplitude
+            .min(tension * S::lit(DITHER_SHARE))
+            .min(tension - least)
+            .min(most - tension)
+            .max(S::zero());
+        let height = estimate.height - self.config.touch_down.ground_height;
+        let share = (height - S::lit(DITHER_GROUND)) * S::lit(1.0 / DITHER_FADE);
+        let wave = self.config.dither.wave(&self.situation.dither);
+        wave * amplitude * share.limit(S::zero(), S::one())
     }
 }

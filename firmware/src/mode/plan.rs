@@ -50,13 +50,15 @@ pub(super) fn fly<S: Scalar>(
     };
     let dt = S::lit(OUTER_DT);
     let (position, velocity) = handover.plan.step(dt);
+    let dither = cx.dither(tension);
+    let tension = tension + dither;
     let reference = FlightReference { position, velocity, yaw: handover.heading, tension };
     let (direction, length) = direction_of(&position);
     let mixer = situation.mixer;
     let mut input = PositionInput {
         position: smoothed.position,
         velocity: smoothed.velocity,
-        wind: World(V3::zeros()),
+        wind: situation.estimate.air_force,
         direction,
         reference_velocity: velocity,
         length,
@@ -91,7 +93,7 @@ pub(super) fn fly<S: Scalar>(
     }
     let asked = cx.config.position.step(&mut handover.position, &input, dt);
     let attitude = cx.thrust(asked.force.0, handover.heading);
-    Setpoints { attitude, reference: Some(reference), ..unchanged }
+    Setpoints { attitude, reference: Some(reference), dither, ..unchanged }
 }
 
 /// A move in world or tether coordinates, or a pause; the tension asked for, N, if one was.

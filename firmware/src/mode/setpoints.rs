@@ -14,11 +14,20 @@ pub(crate) struct Setpoints<S: Scalar> {
     pub reference: Option<FlightReference<S>>,
     /// Of the winch, N.
     pub tension: S,
+    /// How far the tension is moved off it now, N, to see where the line points.
+    pub dither: S,
     /// On the ground, or not any more.
     pub ground: GroundState,
     /// The vehicle shall come down: ground contact ends the flight.
     pub wants_down: bool,
     pub notice: Option<Notice<S>>,
+}
+
+impl<S: Scalar> Setpoints<S> {
+    /// Tension that is asked for now, N.
+    pub fn pull(&self) -> S {
+        self.tension + self.dither
+    }
 }
 
 /// What a mode has to say once.

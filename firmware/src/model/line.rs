@@ -6,7 +6,6 @@
 //! than the station's by `w` times its height.
 
 use crate::math::GRAVITY;
-use crate::math::trig::sin_cos;
 use crate::param::Params;
 use crate::scalar::Scalar;
 use crate::signal::SphericalPoint;
@@ -36,24 +35,24 @@ impl<S: Scalar> Line<S> {
     }
 }
 
-impl Line<f32> {
+impl<S: Scalar> Line<S> {
     /// Tension at the station, N, at which the line leaves it level: with less it lies on the ground.
     ///
     /// Of the curve about the chord: on the safe side, by a seventh at 45° and two fifths at 75°.
     #[must_use]
-    pub fn least_tension(&self, place: &SphericalPoint<f32>) -> f32 {
-        let (sin, cos) = sin_cos(place.elevation);
-        self.half_weight(place.length) * cos / sin.max(0.01)
+    pub fn least_tension(&self, place: &SphericalPoint<S>) -> S {
+        let (sin, cos) = place.elevation.sin_cos();
+        self.half_weight(place.length) * cos / sin.max(S::lit(0.01))
     }
 
     /// Tension at the station, N, with which a vehicle of `weight` N that thrusts `thrust` N holds it there; negative:
     /// it does not lift the line.
     #[must_use]
-    pub fn most_tension(&self, place: &SphericalPoint<f32>, weight: f32, thrust: f32) -> f32 {
-        let (sin, cos) = sin_cos(place.elevation);
+    pub fn most_tension(&self, place: &SphericalPoint<S>, weight: S, thrust: S) -> S {
+        let (sin, cos) = place.elevation.sin_cos();
         let down = weight + self.half_weight(place.length);
         let across = down * cos;
-        let middle = libm::sqrtf((thrust * thrust - across * across).max(0.0)) - down * sin;
+        let middle = (thrust * thrust - across * across).max(S::zero()).sqrt() - down * sin;
         middle - self.growth(place.length * sin)
     }
 }

@@ -1,26 +1,34 @@
 //! Where is the vehicle, how does it sit, how hard does the tether pull? A question a file: `alignment`
-//! (attitude), `lift_off`, `position` (the filter in the air), `slackness`, `divergence`. Sensors in, an
+//! (attitude), `lift_off`, `position` (the filter in the air; `tethered`,
+//! `full_state`), `slackness`, `divergence`. Sensors in, an
 //! [`Estimate`] out; the filters themselves stand in [`crate::estimate`].
 
 mod alignment;
 mod decimator;
 mod divergence;
+mod full_health;
+mod full_state;
 mod lift_off;
 mod position;
 mod slackness;
+mod tethered;
+
+pub use full_state::Intent;
+pub use tethered::Stage;
 
 use crate::estimate::{ThrustModel, ThrustModelState, VerticalFilter, VerticalState};
-use crate::frames::{Body, V3};
+use crate::frames::{Body, V3, World};
 use crate::math::GRAVITY;
 use crate::math::filter::{Biquad, first_order};
 use crate::param::Params;
 use crate::scalar::Scalar;
-use crate::signal::{Estimate, FilterHealth, Imu, Sensors};
+use crate::signal::{Estimate, FilterHealth, Imu, PositionSource, Sensors};
 use crate::time::{Micros, OUTER_DT, Sample};
 use alignment::{Alignment, AlignmentState};
 use decimator::Decimator;
 use lift_off::{LiftOff, LiftOffState};
-use position::{PositionFilter, PositionFilterState, PositionInput};
+use position::{PositionFilter, PositionFilterState};
+use tethered::{StageInput, TetheredInput};
 
 /// What the vehicle is doing, as far as the filters must know.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -56,7 +64,7 @@ pub struct NavigationState<S: Scalar> {
     now: Micros,
     altitude_at: Option<Micros>,
     pending_altitude: Option<S>,
-    pending_length: Option<S>,
+    pending_length: Option<Sample<S>>,
     rate: V3<S>,
     last_thrust: S,
     average: Imu<S>,
@@ -138,9 +146,7 @@ impl<S: Scalar> Navigation<S> {
             state.altitude_at = Some(altitude.at);
             state.pending_altitude = Some(altitude.value);
         }
-        if let Some(length) = sensors.tether_length {
-            state.pending_length = Some(length.value);
-        }
+        state.pending_length = sensors.tether_length.or(state.pending_length);
         if let Some(sample) = &sensors.capture
             && self.position.receive(&mut state.position, sample)
             && let Some(heading) = sample.value.heading
@@ -153,33 +159,39 @@ impl<S: Scalar> Navigation<S> {
     fn filter(&self, state: &mut NavigationState<S>, sensors: &Sensors<S>, phase: Phase) {
         let dt = S::lit(OUTER_DT);
         let on_ground = !state.position.is_airborne();
-        let Some(attitude) = &mut state.alignment.attitude else {
+        let Some(sit) = &mut state.alignment.attitude else {
             return;
         };
         let imu = state.average;
-        self.alignment.step(attitude, &imu, on_ground, dt);
-        let attitude = attitude.attitude;
-        let force = attitude.to_world(imu.accel);
+        self.alignment.step(sit, &imu, on_ground, dt);
+        let force = sit.attitude.to_world(imu.accel);
         let accel_up = -(force.0.z + S::lit(GRAVITY));
         self.vertical.predict(&mut state.vertical, accel_up, dt, sensors.altitude_is_fresh);
         self.position.predict(&mut state.position, &force);
         match phase {
             Phase::Resting => {
-                self.position.rest(&mut state.position);
+                if let Some(attitude) = self.position.rest(&mut state.position) {
+                    sit.attitude = attitude;
+                }
                 state.lift_off = LiftOffState::default();
                 state.vertical.climb = S::zero();
             }
             Phase::Powered if on_ground => {
                 let height = state.vertical.height;
                 if self.lift_off.step(&mut state.lift_off, height, state.last_thrust) {
-                    self.position.lift_off(&mut state.position, height);
+                    self.position.lift_off(&mut state.position, height, sit);
                 }
             }
             Phase::Powered => {}
-            Phase::Touching => return,
+            Phase::Touching => {
+                if let Some(attitude) = state.position.touch() {
+                    sit.attitude = attitude;
+                }
+                return;
+            }
         }
-        let z = PositionInput {
-            attitude,
+        let z = TetheredInput {
+            sit,
             accel: imu.accel,
             force,
             thrust: state.last_thrust,
@@ -187,6 +199,19 @@ impl<S: Scalar> Navigation<S> {
             length: state.pending_length.take(),
         };
         self.position.step(&mut state.position, &z);
+    }
+
+    /// A part of the step that the full-state filter does in a later millisecond.
+    pub fn advance(&self, state: &mut NavigationState<S>, stage: Stage, intent: &Intent<S>) {
+        let Some(sit) = &state.alignment.attitude else {
+            return;
+        };
+        let thrust = state.last_thrust / self.thrust.scale;
+        let z = StageInput { imu: &state.average, thrust, intent, sit };
+        if let Some(attitude) = self.position.advance(&mut state.position, stage, &z) {
+            let (.., yaw) = attitude.euler();
+            self.alignment.turn(&mut state.alignment, yaw, false);
+        }
     }
 
     /// Angular rate with the bias removed, as of the last inertial sample.
@@ -205,7 +230,7 @@ impl<S: Scalar> Navigation<S> {
     pub fn estimate(&self, state: &NavigationState<S>) -> Estimate<S> {
         let attitude = self.alignment.attitude(&state.alignment);
         let placeless = Estimate {
-            attitude: attitude.attitude,
+            attitude: state.position.attitude().unwrap_or(attitude.attitude),
             rate: Body(state.rate),
             gyro_bias: attitude.gyro_bias,
             height: state.vertical.height,
@@ -214,6 +239,9 @@ impl<S: Scalar> Navigation<S> {
             velocity: None,
             tether: None,
             position_sd: V3::zeros(),
+            air_force: World(V3::zeros()),
+            restarts: 0,
+            source: PositionSource::None,
             thrust: state.last_thrust,
             health: FilterHealth::default(),
             is_levelled: state.alignment.attitude.is_some(),
@@ -236,6 +264,11 @@ impl<S: Scalar> NavigationState<S> {
     #[must_use]
     pub fn average(&self) -> &Imu<S> {
         &self.average
+    }
+    /// Whether the full-state filter says how the vehicle sits.
+    #[must_use]
+    pub fn is_full(&self) -> bool {
+        self.position.attitude().is_some()
     }
     /// Whether the vehicle has left the ground.
     #[must_use]

@@ -1,17 +1,15 @@
 //! Where is the vehicle, and how hard does the tether pull? One filter of several answers, chosen by the parameters.
 
-use super::divergence::{Divergence, DivergenceState};
-use super::slackness::{Slackness, SlacknessState};
+use super::tethered::{Stage, StageInput, Tethered, TetheredInput, TetheredState};
+use crate::estimate::MahonyState;
 use crate::estimate::capture::{CaptureFilter, CaptureState};
-use crate::estimate::{Ekf4, Ekf4Measurement, Ekf4State, VelocityFilter, VelocityState};
 use crate::feature;
-use crate::frames::{Attitude, Body, V3, World};
-use crate::math::so3;
+use crate::frames::{Attitude, V3, World};
 use crate::model::{Line, TetherKind};
 use crate::param::Params;
 use crate::scalar::Scalar;
-use crate::signal::{Estimate, SphericalPoint, TetherState};
-use crate::time::{Micros, OUTER_DT};
+use crate::signal::{Capture, Estimate, FilterHealth, PositionSource, SphericalPoint, TetherState};
+use crate::time::{Micros, Sample};
 
 /// One standard deviation of the place on the ground, m.
 const PLACE_SD: f64 = 0.3;
@@ -20,13 +18,8 @@ const PLACE_SD: f64 = 0.3;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PositionFilter<S: Scalar> {
     filter: Filter<S>,
-    slackness: Slackness<S>,
-    divergence: Divergence<S>,
     /// Where the vehicle stands at the start.
     start: World<V3<S>>,
-    start_tension: S,
-    /// m; `None` with a winch.
-    fixed_length: Option<S>,
     ground_height: S,
     line: Line<S>,
 }
@@ -34,19 +27,12 @@ pub(super) struct PositionFilter<S: Scalar> {
 /// Which filter it is.
 #[derive(Clone, Copy, Debug)]
 enum Filter<S: Scalar> {
-    /// On a tether: four-state filter and velocity behind it, `fullstate` section 10.
-    Simple(feature::Cable<Simple<S>>),
+    /// On a tether.
+    Tether(feature::Cable<Tethered<S>>),
     /// In free flight.
     Capture(feature::Capture<CaptureFilter<S>>),
     /// The image has none for this link: there is no position.
     Absent,
-}
-
-/// The filter on a tether and the velocity behind it.
-#[derive(Clone, Copy, Debug)]
-struct Simple<S: Scalar> {
-    ekf: Ekf4<S>,
-    follower: VelocityFilter<S>,
 }
 
 /// What moves.
@@ -57,29 +43,49 @@ pub(super) struct PositionFilterState<S: Scalar> {
     /// `None` until the first sample.
     capture: Option<CaptureState<S>>,
     place: World<V3<S>>,
-    slackness: SlacknessState,
-    divergence: DivergenceState<S>,
 }
 
 /// What runs in the air.
 #[derive(Clone, Copy, Debug)]
 enum Airborne<S: Scalar> {
-    Simple(Ekf4State<S>, VelocityState<S>),
+    Tether(TetheredState<S>),
     /// Motion capture runs on the ground too; without a filter there is nothing.
     Elsewhere,
 }
 
-/// What one step reads.
-pub(super) struct PositionInput<S: Scalar> {
-    pub attitude: Attitude<S>,
-    /// Body axes, m/s².
-    pub accel: Body<V3<S>>,
-    /// The same in world axes.
-    pub force: World<V3<S>>,
-    /// N.
-    pub thrust: S,
-    pub altitude: Option<S>,
-    pub length: Option<S>,
+/// What a filter knows.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Found<S: Scalar> {
+    pub position: World<V3<S>>,
+    pub velocity: World<V3<S>>,
+    /// Of the line's middle, N.
+    pub middle_tension: S,
+    pub is_taut: bool,
+    pub sd: V3<S>,
+    /// Over mass, m/s².
+    pub air_force: World<V3<S>>,
+    pub health: FilterHealth<S>,
+    pub restarts: u16,
+    pub has_diverged: bool,
+    pub source: PositionSource,
+}
+
+impl<S: Scalar> Found<S> {
+    /// At rest on the ground.
+    pub fn standing(position: World<V3<S>>, source: PositionSource) -> Self {
+        Self {
+            position,
+            velocity: World(V3::zeros()),
+            middle_tension: S::zero(),
+            is_taut: true,
+            sd: V3::repeat(S::lit(PLACE_SD)),
+            air_force: World(V3::zeros()),
+            health: FilterHealth::default(),
+            restarts: 0,
+            has_diverged: false,
+            source,
+        }
+    }
 }
 
 impl<S: Scalar> PositionFilter<S> {
@@ -95,54 +101,27 @@ impl<S: Scalar> PositionFilter<S> {
         };
         let (sin, cos) = f(p.start_heading).sin_cos();
         let out = f(distance);
-        let fixed_length = (!kind.has_winch()).then(|| f(p.tether_length));
         let capture = || kind.is_free().then(|| CaptureFilter::new(p));
-        let simple = || {
-            let ekf = Ekf4 {
-                mass: f(p.mass),
-                line: Line::new(p),
-                q_position: f(p.ekf_q_position),
-                q_tension: f(p.ekf_q_tension),
-                r_accel: f(p.ekf_r_accel),
-                r_altitude: f(p.ekf_r_altitude),
-                r_length: f(p.ekf_r_length),
-            };
-            let follower = VelocityFilter { gain: f(p.velocity_gain) };
-            (!kind.is_free()).then_some(Simple { ekf, follower })
-        };
-        let filter = match (feature::Cable::build(simple), feature::Capture::build(capture)) {
-            (Some(simple), _) => Filter::Simple(simple),
+        let tethered = || (!kind.is_free()).then(|| Tethered::new(p, kind));
+        let filter = match (feature::Cable::build(tethered), feature::Capture::build(capture)) {
+            (Some(tethered), _) => Filter::Tether(tethered),
             (None, Some(capture)) => Filter::Capture(capture),
             (None, None) => Filter::Absent,
         };
         Self {
             filter,
-            slackness: Slackness::new(p, kind.is_rigid()),
-            divergence: Divergence::new(p, fixed_length, kind.is_rigid()),
             start: World(V3::new(out * cos, out * sin, -f(ground))),
-            start_tension: f(p.tension_low),
-            fixed_length,
             ground_height: f(ground),
             line: Line::new(p),
         }
     }
 
     pub fn start(&self) -> PositionFilterState<S> {
-        PositionFilterState {
-            airborne: None,
-            capture: None,
-            place: self.start,
-            slackness: SlacknessState::default(),
-            divergence: DivergenceState::default(),
-        }
+        PositionFilterState { airborne: None, capture: None, place: self.start }
     }
 
     /// Takes a motion-capture sample, in free flight; whether it was wanted.
-    pub fn receive(
-        &self,
-        state: &mut PositionFilterState<S>,
-        sample: &crate::time::Sample<crate::signal::Capture<S>>,
-    ) -> bool {
+    pub fn receive(&self, state: &mut PositionFilterState<S>, sample: &Sample<Capture<S>>) -> bool {
         let Filter::Capture(filter) = &self.filter else {
             return false;
         };
@@ -160,60 +139,50 @@ impl<S: Scalar> PositionFilter<S> {
         }
     }
 
-    /// On the ground the place is known: where the vehicle was put, or where it landed.
-    pub fn rest(&self, state: &mut PositionFilterState<S>) {
-        if let Some(Airborne::Simple(ekf, _)) = state.airborne.take() {
-            let landed = ekf.position();
+    /// On the ground the place is known: where the vehicle was put, or where it landed. The attitude with which it came
+    /// down, once, if this filter had one.
+    pub fn rest(&self, state: &mut PositionFilterState<S>) -> Option<Attitude<S>> {
+        let Some(Airborne::Tether(mut flying)) = state.airborne.take() else {
+            return None;
+        };
+        if let Filter::Tether(filter) = &self.filter {
+            let landed = filter.found(&flying).position.0;
             state.place = World(V3::new(landed.x, landed.y, -self.ground_height));
         }
-        state.slackness = SlacknessState::default();
-        state.divergence = DivergenceState::default();
+        flying.touch()
     }
 
     /// The vehicle has left the ground, at this height, m.
-    pub fn lift_off(&self, state: &mut PositionFilterState<S>, height: S) {
-        let Filter::Simple(_) = self.filter else {
-            state.airborne = Some(Airborne::Elsewhere);
-            return;
-        };
+    pub fn lift_off(&self, state: &mut PositionFilterState<S>, height: S, sit: &MahonyState<S>) {
         let mut place = state.place;
         place.0.z = -height;
-        if let Some(length) = self.fixed_length {
-            // On the sphere, whatever the height at which the link became taut.
-            let side = so3::norm(&V3::new(place.0.x, place.0.y, S::zero()));
-            let square = length * length - place.0.z * place.0.z;
-            let share = square.sqrt() / side.max(S::lit(0.1));
-            place.0.x *= share;
-            place.0.y *= share;
-        }
-        let ekf = Ekf4State::at(place.0, self.start_tension);
-        state.airborne = Some(Airborne::Simple(ekf, VelocityState::at(place)));
+        state.airborne = Some(match &self.filter {
+            Filter::Tether(filter) => Airborne::Tether(filter.lift_off(place, sit)),
+            Filter::Capture(_) | Filter::Absent => Airborne::Elsewhere,
+        });
     }
 
     /// One step in the air.
-    pub fn step(&self, state: &mut PositionFilterState<S>, z: &PositionInput<S>) {
-        let (Filter::Simple(filter), Some(Airborne::Simple(ekf, velocity))) =
+    pub fn step(&self, state: &mut PositionFilterState<S>, z: &TetheredInput<'_, S>) {
+        if let (Filter::Tether(filter), Some(Airborne::Tether(flying))) =
             (&self.filter, &mut state.airborne)
-        else {
-            return;
-        };
-        let fixed = || state.slackness.is_taut.then_some(self.fixed_length).flatten();
-        let z4 = Ekf4Measurement {
-            attitude: z.attitude,
-            accel: z.accel,
-            thrust: z.thrust,
-            altitude: z.altitude,
-            length: if self.fixed_length.is_none() { z.length } else { fixed() },
-        };
-        match filter.ekf.step(ekf, &z4) {
-            Ok(nu) => {
-                let position = World(ekf.position());
-                filter.follower.step(velocity, &z.force, &position, S::lit(OUTER_DT));
-                let (tension, distance) = (ekf.tension(), so3::norm(&position.0));
-                self.divergence.step(&mut state.divergence, &nu, tension, distance);
-                self.slackness.step(&mut state.slackness, tension);
+        {
+            filter.step(flying, z);
+        }
+    }
+
+    /// A part of the full-state filter's step; its attitude, when the simple one may follow it.
+    pub fn advance(
+        &self,
+        state: &mut PositionFilterState<S>,
+        stage: Stage,
+        z: &StageInput<'_, S>,
+    ) -> Option<Attitude<S>> {
+        match (&self.filter, &mut state.airborne) {
+            (Filter::Tether(filter), Some(Airborne::Tether(flying))) => {
+                filter.advance(flying, stage, z)
             }
-            Err(_) => self.divergence.refused(&mut state.divergence),
+            _ => None,
         }
     }
 
@@ -224,47 +193,44 @@ impl<S: Scalar> PositionFilter<S> {
         estimate: Estimate<S>,
         now: Micros,
     ) -> Estimate<S> {
-        let health = state.divergence.health;
         if let Filter::Capture(filter) = &self.filter {
             let fresh = |c: &CaptureState<S>| estimate.is_levelled && filter.is_fresh(c, now);
             let known = state.capture.filter(fresh);
             return Estimate {
                 position: known.map(|c| c.position),
                 velocity: known.map(|c| c.velocity),
-                health,
+                source: known.map_or(PositionSource::None, |_| PositionSource::Capture),
                 ..estimate
             };
         }
-        let has_diverged = self.divergence.has_diverged(&state.divergence);
-        let is_absent = matches!(self.filter, Filter::Absent);
-        let known = estimate.is_levelled && !has_diverged && !is_absent;
-        let (position, velocity, tension, sd) = match &state.airborne {
-            Some(Airborne::Simple(ekf, velocity)) => {
-                let c = &ekf.covariance;
-                let sd = V3::new(c.m11.sqrt(), c.m22.sqrt(), c.m33.sqrt());
-                let position = ekf.position();
-                let tension = ekf.tension() + self.line.growth(-position.z);
-                (World(position), velocity.velocity, tension, sd)
-            }
-            _ => {
-                let sd = V3::repeat(S::lit(PLACE_SD));
-                (state.place, World(V3::zeros()), S::zero(), sd)
-            }
+        let Filter::Tether(filter) = &self.filter else {
+            return Estimate { position_sd: V3::repeat(S::lit(PLACE_SD)), ..estimate };
         };
-        let place = SphericalPoint::from_world(&position);
+        let (found, growth) = match &state.airborne {
+            Some(Airborne::Tether(flying)) => {
+                let found = filter.found(flying);
+                (found, self.line.growth(-found.position.0.z))
+            }
+            _ => (Found::standing(state.place, PositionSource::FourState), S::zero()),
+        };
+        let known = estimate.is_levelled && !found.has_diverged;
+        let place = SphericalPoint::from_world(&found.position);
         Estimate {
-            position: known.then_some(position),
-            velocity: known.then_some(velocity),
+            position: known.then_some(found.position),
+            velocity: known.then_some(found.velocity),
             tether: known.then_some(TetherState {
                 elevation: place.elevation,
                 azimuth: place.azimuth,
                 length: place.length,
-                tension,
-                is_taut: state.slackness.is_taut,
+                tension: found.middle_tension + growth,
+                is_taut: found.is_taut,
             }),
-            position_sd: sd,
-            has_diverged,
-            health,
+            position_sd: found.sd,
+            air_force: found.air_force,
+            restarts: found.restarts,
+            source: if known { found.source } else { PositionSource::None },
+            has_diverged: found.has_diverged,
+            health: found.health,
             ..estimate
         }
     }
@@ -274,6 +240,22 @@ impl<S: Scalar> PositionFilterState<S> {
     /// Moves the vehicle to the place from which the (new) configuration starts.
     pub fn replace(&mut self, config: &PositionFilter<S>) {
         self.place = config.start;
+    }
+
+    /// The feet touch. What the full-state filter knows of the attitude, once, if it flew.
+    pub fn touch(&mut self) -> Option<Attitude<S>> {
+        match &mut self.airborne {
+            Some(Airborne::Tether(flying)) => flying.touch(),
+            _ => None,
+        }
+    }
+
+    /// Of the full-state filter while it flies.
+    pub fn attitude(&self) -> Option<Attitude<S>> {
+        match &self.airborne {
+            Some(Airborne::Tether(flying)) => flying.attitude(),
+            _ => None,
+        }
     }
 
     /// The vehicle has left the ground.

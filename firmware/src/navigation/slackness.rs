@@ -34,12 +34,12 @@ impl<S: Scalar> Slackness<S> {
         Self { slack_tension: S::from_f32(p.slack_tension), is_rigid }
     }
 
-    /// One step with the estimated tension, N.
-    pub fn step(&self, state: &mut SlacknessState, tension: S) {
+    /// One step with the estimated tension, N. A `patience` is for how many steps a pull must last where none is expected.
+    pub fn step(&self, state: &mut SlacknessState, tension: S, patience: Option<u16>) {
         let (crossed, needed) = if state.is_taut {
             (tension < self.slack_tension && !self.is_rigid, SLACK_STEPS)
         } else {
-            (tension > S::lit(TAUT_TENSION), TAUT_STEPS)
+            (tension > S::lit(TAUT_TENSION), patience.unwrap_or(TAUT_STEPS))
         };
         state.steps = if crossed { state.steps + 1 } else { 0 };
         if state.steps >= needed {

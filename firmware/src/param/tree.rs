@@ -19,6 +19,8 @@ params! {
         torque_ratio: "VEH_CQ" Real ["m"] = 0.0167 in 0.001 ..= 0.2;
         /// Tether attachment below the centre of mass.
         attachment: "VEH_ATT_Z" Real ["m"] = 0.05 in -0.5 ..= 0.5;
+        /// Drag force over mass and speed.
+        drag: "VEH_DRAG" Real ["1/s"] = 0.12 in 0.0 ..= 5.0;
         /// Height of the centre of mass above the ground when landed.
         ground_height: "VEH_H_GND" Real ["m"] = 0.15 in 0.0 ..= 2.0;
     }
@@ -129,6 +131,12 @@ params! {
         start_heading: "TET_HDG0" Real ["rad"] = 0.0 in -6.3 ..= 6.3;
         /// Tether mass per length.
         line_density: "TET_LIN_DENS" Real ["kg/m"] = 0.002 in 0.0 ..= 1.0;
+        /// Tether stiffness: tension over strain. If unsure, the softer.
+        line_stiffness: "TET_STIFF" Real ["N"] = 3000.0 in 50.0 ..= 1000000.0;
+        /// Amplitude by which the tension set-point moves to and fro, so that the full-state filter sees where the tether points; 0 = off.
+        dither: "TET_DITHER" Real ["N"] = 2.5 in 0.0 ..= 20.0;
+        /// Period of that movement.
+        dither_period: "TET_DITHER_T" Real ["s"] = 1.5 in 0.5 ..= 20.0;
         /// Lowest elevation that a set-point may have.
         elevation_min: "TET_EL_MIN" Real ["rad"] = 0.2 in 0.0 ..= 1.5;
         /// Highest elevation that a set-point may have.
@@ -153,6 +161,16 @@ params! {
         ekf_r_length: "EKF4_R_LEN" Real ["m^2"] = 0.01 in 0.000001 ..= 10.0;
         /// Velocity: gain towards the position estimate.
         velocity_gain: "VEL_K_POS" Real ["1/s"] = 2.5 in 0.1 ..= 20.0;
+        /// Position filter on a cable: 0 = four states behind the attitude filter, 1 = full state.
+        estimator_kind: "EST_KIND" Int [""] = 0.0 in 0.0 ..= 1.0;
+        /// Full state: low-pass of accelerometer and thrust (Butterworth, 2nd order); 0 = off.
+        full_cutoff: "EST_CUTOFF" Real ["Hz"] = 30.0 in 0.0 ..= 100.0;
+        /// Full state: accelerometer noise behind the low-pass, standard deviation.
+        full_accel_sd: "EST_ACC_SD" Real ["m/s^2"] = 0.5 in 0.05 ..= 5.0;
+        /// Full state: altitude noise, standard deviation.
+        full_altimeter_sd: "EST_ALT_SD" Real ["m"] = 0.08 in 0.01 ..= 2.0;
+        /// Full state: velocity noise density; 0.15 over a moving anchor.
+        full_velocity_noise: "EST_VEL_NOISE" Real ["m/s/sqrt(s)"] = 0.02 in 0.001 ..= 2.0;
         /// Rest before the gyro bias and the level are taken.
         levelling_time: "EST_LEVEL_T" Real ["s"] = 3.0 in 0.5 ..= 30.0;
         /// Low-passed innovation test ratio beyond which the estimate counts as diverged.

@@ -30,6 +30,20 @@ pub struct FilterHealth<S> {
     pub length: S,
 }
 
+/// Who says where the vehicle is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum PositionSource {
+    /// Nobody.
+    #[default]
+    None,
+    /// The four-state filter behind the attitude filter.
+    FourState,
+    /// The full-state filter.
+    FullState,
+    /// Motion capture.
+    Capture,
+}
+
 /// Output of the estimate stage.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Estimate<S: Scalar = f32> {
@@ -51,6 +65,12 @@ pub struct Estimate<S: Scalar = f32> {
     pub tether: Option<TetherState<S>>,
     /// One standard deviation of each coordinate, m.
     pub position_sd: V3<S>,
+    /// Force of the air over mass, m/s²; zero where nobody estimates it.
+    pub air_force: World<V3<S>>,
+    /// How often the position filter began anew in this flight.
+    pub restarts: u16,
+    /// Who says where the vehicle is.
+    pub source: PositionSource,
     /// Total thrust by the motor model, N, filtered as the accelerometer is.
     pub thrust: S,
     /// Innovation tests.

@@ -10,7 +10,7 @@ mod request;
 mod sensors;
 
 pub use command::{Actuation, MixerReport, WinchCommand, Wrench};
-pub use estimate::{Estimate, FilterHealth, TetherState};
+pub use estimate::{Estimate, FilterHealth, PositionSource, TetherState};
 pub use event::{Amount, Event, EventQueue, Severity, TEXT_MAX};
 pub(crate) use line::take;
 pub use line::{LineSensors, RawAngles, RawFairlead, RawLineSensors, RawMagnetometer, RawTension};

@@ -1,12 +1,12 @@
 //! The outer loop, 250 times a second: the mode's set-points, and coming to stand on the ground.
 
 use super::{Moment, Vehicle, context};
-use crate::control::{AttitudeCommand, PositionState, RadialControl};
+use crate::control::{AttitudeCommand, DitherState, PositionState};
 use crate::frames::{V3, World};
 use crate::mode::{Notice, Smoothed};
 use crate::param::Params;
 use crate::scalar::Scalar;
-use crate::signal::{Event, EventQueue};
+use crate::signal::{Event, EventQueue, PositionSource};
 use crate::supervisor::{GroundState, TouchDownInput, TouchDownState};
 use crate::time::OUTER_DT;
 
@@ -27,6 +27,7 @@ impl<S: Scalar> Vehicle<S> {
             self.state.touch_down = TouchDownState::default();
             return;
         }
+        self.move_tension();
         let cx = context!(self, at);
         match self.mode.step(&cx) {
             Ok(setpoints) => {
@@ -59,6 +60,16 @@ impl<S: Scalar> Vehicle<S> {
         }
     }
 
+    /// The tension's movement begins with the filter that wants it.
+    fn move_tension(&mut self) {
+        let situation = &mut self.situation;
+        if situation.estimate.source == PositionSource::FullState {
+            self.config.dither.step(&mut situation.dither, S::lit(OUTER_DT));
+        } else {
+            situation.dither = DitherState::default();
+        }
+    }
+
     fn smooth(&mut self) {
         let situation = &mut self.situation;
         let estimate = &situation.estimate;
@@ -68,8 +79,8 @@ impl<S: Scalar> Vehicle<S> {
         };
         let k = S::lit(SMOOTHING);
         let tension = estimate.tether.map_or(S::zero(), |tether| tether.tension);
-        // Motion capture is quiet enough as it is.
-        let is_noisy = self.config.constants.radial_control != RadialControl::Free;
+        // The others are quiet enough as they are.
+        let is_noisy = estimate.source == PositionSource::FourState;
         match &mut situation.smoothed {
             Some(s) if is_noisy && situation.navigation.is_airborne() => {
                 s.position.0 += (position.0 - s.position.0) * k;

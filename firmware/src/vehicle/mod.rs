@@ -22,11 +22,13 @@ pub use output::{StepInput, StepOutput};
 use output::News;
 
 use crate::config::{Config, Stale};
-use crate::control::{AttitudeCommand, ClimbState, PositionState, RateSetpoint, RateState};
+use crate::control::{
+    AttitudeCommand, ClimbState, DitherState, PositionState, RateSetpoint, RateState,
+};
 use crate::estimate::taut::{TautEstimatorState, TautInput};
 use crate::frames::{Body, V3, World};
 use crate::mode::{ActiveMode, Context, Handover, Setpoints, Situation};
-use crate::navigation::Phase;
+use crate::navigation::{Intent, Phase, Stage};
 use crate::param::Params;
 use crate::scalar::Scalar;
 use crate::sense::{ImuScale, SenseState};
@@ -90,9 +92,11 @@ enum OuterPhase {
     /// Until the filter's next step.
     #[default]
     Idle,
-    /// The observers beside it.
+    /// The observers beside it; the full-state filter's prediction.
     Observe,
-    /// Supervisor, guidance, attitude.
+    /// Its accelerometer.
+    Feel,
+    /// The rest of it; supervisor, guidance, attitude.
     Fly,
 }
 
@@ -136,6 +140,7 @@ impl<S: Scalar> Vehicle<S> {
             estimate,
             smoothed: None,
             taut: TautEstimatorState::default(),
+            dither: DitherState::default(),
             rod: None,
             sticks: None,
             armed_at: None,
@@ -144,6 +149,7 @@ impl<S: Scalar> Vehicle<S> {
                 attitude: AttitudeCommand::idle(),
                 reference: None,
                 tension: config.constants.tension_low,
+                dither: S::zero(),
                 ground: GroundState::OnGround,
                 wants_down: false,
                 notice: None,
@@ -224,6 +230,7 @@ impl<S: Scalar> Vehicle<S> {
             self.state.phase = OuterPhase::Observe;
         }
         self.receive_rod(&sensors);
+        let has_estimated = self.advance(phase, &mut events);
         let reply = self.take_up(input.request.as_ref(), at, &mut events);
         if phase == OuterPhase::Fly || sensors.imu.is_none() {
             self.supervise(at, &mut events);
@@ -233,8 +240,9 @@ impl<S: Scalar> Vehicle<S> {
             OuterPhase::Observe => {
                 self.observe_rod(input.now);
                 self.observe_link();
-                self.state.phase = OuterPhase::Fly;
+                self.state.phase = OuterPhase::Feel;
             }
+            OuterPhase::Feel => self.state.phase = OuterPhase::Fly,
             OuterPhase::Fly => self.fly(at, &mut events),
         }
         self.actuate(&sensors);
@@ -242,7 +250,7 @@ impl<S: Scalar> Vehicle<S> {
         // A request or a silent sensor may change anything.
         let is_whole = input.request.is_some() || reply.is_some() || sensors.imu.is_none();
         let news = News {
-            estimate: has_ticked || !was_levelled || is_whole,
+            estimate: has_ticked || has_estimated || !was_levelled || is_whole,
             observers: phase == OuterPhase::Observe || sensors.rod.is_some() || is_whole,
             guidance: phase == OuterPhase::Fly || is_whole,
         };
@@ -278,7 +286,8 @@ impl<S: Scalar> Vehicle<S> {
         let navigation = &self.config.navigation;
         let thrusts = &state.actuation.thrusts;
         let has_ticked = navigation.step(&mut situation.navigation, sensors, thrusts, phase);
-        if has_ticked || !was_levelled {
+        let is_full = situation.navigation.is_full();
+        if (has_ticked && !is_full) || !was_levelled {
             situation.estimate = navigation.estimate(&situation.navigation);
         } else {
             situation.estimate.rate = navigation.rate(&situation.navigation);
@@ -287,6 +296,34 @@ impl<S: Scalar> Vehicle<S> {
             events.push(Event::info("Levelled, gyro bias taken"));
         }
         has_ticked
+    }
+
+    /// The full-state filter's part of this millisecond, if it flies; true when the estimate is new.
+    fn advance(&mut self, phase: OuterPhase, events: &mut EventQueue) -> bool {
+        let situation = &mut self.situation;
+        let stage = match phase {
+            _ if !situation.navigation.is_full() => return false,
+            OuterPhase::Idle => return false,
+            OuterPhase::Observe => Stage::Predict,
+            OuterPhase::Feel => Stage::Feel,
+            OuterPhase::Fly => Stage::Locate,
+        };
+        let reference = situation.setpoints.reference;
+        let intent = Intent {
+            tension: self.state.actuation.winch.tension,
+            velocity: reference.map_or(World(V3::zeros()), |reference| reference.velocity),
+        };
+        let navigation = &self.config.navigation;
+        navigation.advance(&mut situation.navigation, stage, &intent);
+        if stage != Stage::Locate {
+            return false;
+        }
+        let restarts = situation.estimate.restarts;
+        situation.estimate = navigation.estimate(&situation.navigation);
+        if situation.estimate.restarts > restarts {
+            events.push(Event::warning("Position filter began anew"));
+        }
+        true
     }
 
     fn receive_rod(&mut self, sensors: &Sensors<S>) {
@@ -326,7 +363,7 @@ impl<S: Scalar> Vehicle<S> {
         let (state, situation) = (&mut self.state, &mut self.situation);
         let is_armed = situation.armed_at.is_some();
         state.actuation.is_armed = is_armed;
-        state.actuation.winch = WinchCommand { tension: situation.setpoints.tension };
+        state.actuation.winch = WinchCommand { tension: situation.setpoints.pull() };
         if !is_armed {
             state.actuation.thrusts.fill(S::zero());
             state.actuation.throttle.fill(S::zero());

@@ -1,0 +1,410 @@
+//! The full-state filter in flight: when it starts, what it is fed in which order, and when it is made anew
+//! (`fullstate` sections 6 to 8, 24 and 29).
+//!
+//! A step is spread over the milliseconds between two means of the inertial samples: [`FullFlight::predict`],
+//! [`FullFlight::feel`], [`FullFlight::locate`].
+
+use super::full_health::FullHealth;
+use super::position::Found;
+use super::slackness::{Slackness, SlacknessState};
+use crate::estimate::full_state::{
+    Densities, FullState, FullStateFilter, FullStateModel, GroundEnd, Load, POSITION, PushDetector,
+    Sag, StartDeviation,
+};
+use crate::estimate::{Fault, MahonyState};
+use crate::frames::{V3, World};
+use crate::math::filter::{Biquad, Biquad3State, BiquadState};
+use crate::math::so3;
+use crate::model::{Line, TetherKind};
+use crate::param::Params;
+use crate::scalar::Scalar;
+use crate::signal::{Imu, PositionSource};
+use crate::time::{OUTER_DT, Sample};
+
+/// A direction from anchor to vehicle needs a line of this length, m.
+const LENGTH_FLOOR: f64 = 0.3;
+/// Of a fixed length's chord with its stretch moving, m, and at rest.
+const FIXED_SD: f64 = 0.12;
+const FIXED_SD_STILL: f64 = 0.06;
+/// Of a payout, m: less sag than this is none.
+const PAYOUT_SD: f64 = 0.03;
+/// Of the chord's rate, m/s.
+const FIXED_RATE_SD: f64 = 0.30;
+const PAYOUT_RATE_SD: f64 = 0.60;
+/// Share of a new payout rate, at 50 Hz.
+const RATE_SHARE: f64 = 0.18;
+/// Of a winch's set-point, N, taken on every other step.
+const WINCH_SD: f64 = 2.0;
+/// Slack: level velocity, m/s; no pull, N; not beyond the line's end, m, and how far beyond is too far.
+const SLACK_VELOCITY_SD: f64 = 1.2;
+const SLACK_TENSION_SD: f64 = 0.5;
+const SLACK_LENGTH_SD: f64 = 0.3;
+const BEYOND: f64 = 0.1;
+/// Within this share of a fixed length, no pull is expected; one that lasts so many steps counts all the same.
+const INSIDE: f64 = 0.85;
+const INSIDE_STEPS: u16 = 75;
+/// Share of a new sample of the pull.
+const PULL_SHARE: f64 = 0.06;
+/// After a restart: place, m, and velocity, m/s; least pull, N.
+const RESTART_PLACE_SD: f64 = 1.0;
+const RESTART_VELOCITY_SD: f64 = 0.5;
+const RESTART_TENSION: f64 = 1.0;
+/// A restart counts for so long, s, and so many at once mean that nothing helps.
+const HEAT_TIME: f64 = 10.0;
+const HEAT_MAX: f64 = 2.0;
+/// Force of the air over mass, m/s², from which gusts are more than the filter believes, and the lateral variance then:
+/// `fullstate` sections 25 and 30.
+const WINDY: f64 = 0.3;
+const WINDY_VARIANCE: f64 = 1.4;
+
+/// Configuration.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct FullFlight<S: Scalar> {
+    filter: FullStateFilter<S>,
+    start: StartDeviation<S>,
+    restart: StartDeviation<S>,
+    /// Of accelerometer and thrust alike: what rotors shake looks like a pull that moves.
+    low_pass: Biquad<S>,
+    slackness: Slackness<S>,
+    altimeter_sd: S,
+    /// m; `None` with a winch.
+    fixed_length: Option<S>,
+    fixed_sd: S,
+    start_tension: S,
+}
+
+/// What moves.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct FullFlightState<S: Scalar> {
+    pub state: FullState<S>,
+    pub slackness: SlacknessState,
+    pub health: FullHealth<S>,
+    /// Since lift-off.
+    pub restarts: u16,
+    /// The feet touch: the state stands still.
+    pub is_touching: bool,
+    push: PushDetector<S>,
+    accel: Biquad3State<S>,
+    thrust: Option<BiquadState<S>>,
+    /// Low-passed, N.
+    pull: S,
+    altitude: Option<S>,
+    payout: Option<Payout<S>>,
+    /// Restarts lately.
+    heat: S,
+    load: Load<S>,
+    /// Of the accelerometer, behind the low-pass.
+    reading: V3<S>,
+    /// Counts steps, for rows that do not come at each.
+    tick: u8,
+    /// A part of the step was refused.
+    has_failed: bool,
+}
+
+/// Line that is out of a winch.
+#[derive(Clone, Copy, Debug)]
+struct Payout<S> {
+    last: Sample<S>,
+    /// m/s.
+    rate: S,
+    is_new: bool,
+}
+
+/// What the vehicle wants and the filter believes without a measurement.
+#[derive(Clone, Copy, Debug)]
+pub struct Intent<S: Scalar> {
+    /// Of the winch, N.
+    pub tension: S,
+    /// Of the reference, m/s.
+    pub velocity: World<V3<S>>,
+}
+
+/// What is known without this filter, to begin from.
+pub(super) struct Known<'a, S: Scalar> {
+    pub position: V3<S>,
+    pub velocity: V3<S>,
+    pub tension: S,
+    pub sit: &'a MahonyState<S>,
+}
+
+impl<S: Scalar> FullFlight<S> {
+    /// From the parameters; `None` where the link pushes, the pilot wants the simple filter, or numbers are fixed-point:
+    /// the covariance asks for more range.
+    #[inline(never)]
+    pub fn new(p: &Params, kind: TetherKind) -> Option<Self> {
+        let is_wanted = p.estimator_kind > 0.5;
+        if !S::IS_FLOATING || !is_wanted || kind.is_free() || kind.is_rigid() {
+            return None;
+        }
+        let f = S::from_f32;
+        let longest = if kind.has_winch() { p.length_max } else { p.tether_length };
+        let line = Line::new(p);
+        let model = FullStateModel {
+            mass: f(p.mass),
+            attachment: f(p.attachment),
+            drag: f(p.drag),
+            line,
+            stiffness: f(p.line_stiffness),
+            length_floor: S::lit(LENGTH_FLOOR),
+            sag: sag(f(p.tension), line, f(longest), kind),
+            bow: S::zero(),
+        };
+        let densities =
+            Densities { velocity: f64::from(p.full_velocity_noise), ..Densities::STANDARD };
+        let accel_sd = f64::from(p.full_accel_sd);
+        let start = StartDeviation::standard();
+        let fixed_sd = if p.dither > 0.0 { FIXED_SD } else { FIXED_SD_STILL };
+        Some(Self {
+            filter: FullStateFilter::new(model, &densities, accel_sd, false, OUTER_DT),
+            start,
+            restart: StartDeviation {
+                position: S::lit(RESTART_PLACE_SD),
+                velocity: S::lit(RESTART_VELOCITY_SD),
+                ..start
+            },
+            low_pass: Biquad::low_pass(p.full_cutoff, 1.0 / OUTER_DT as f32),
+            slackness: Slackness::new(p, false),
+            altimeter_sd: f(p.full_altimeter_sd),
+            fixed_length: (!kind.has_winch()).then(|| f(p.tether_length)),
+            fixed_sd: S::lit(fixed_sd),
+            start_tension: f(p.tension_low),
+        })
+    }
+
+    /// The vehicle has left the ground at a known place.
+    pub fn lift_off(&self, place: &World<V3<S>>, sit: &MahonyState<S>) -> FullFlightState<S> {
+        let (tension, bias) = (self.start_tension, sit.gyro_bias.0);
+        let state = FullState::at_rest(place.0, sit.attitude, tension, bias, &self.start);
+        let length_out = self.fixed_length.unwrap_or(self.filter.model.distance(&state));
+        FullFlightState {
+            state,
+            slackness: SlacknessState::default(),
+            health: FullHealth::default(),
+            restarts: 0,
+            is_touching: false,
+            push: PushDetector::default(),
+            accel: Biquad3State::default(),
+            thrust: None,
+            pull: tension,
+            altitude: None,
+            payout: None,
+            heat: S::zero(),
+            load: Load { thrust: S::zero(), is_taut: true, length_out },
+            reading: V3::zeros(),
+            tick: 0,
+            has_failed: false,
+        }
+    }
+
+    /// Begins anew in flight, from the filters beside.
+    pub fn restart(&self, flying: &mut FullFlightState<S>, known: &Known<'_, S>) {
+        let tension = known.tension.max(S::lit(RESTART_TENSION));
+        let Known { position, sit, .. } = *known;
+        let state =
+            FullState::at_rest(position, sit.attitude, tension, sit.gyro_bias.0, &self.restart);
+        flying.state = FullState { velocity: known.velocity, ..state };
+        flying.health = FullHealth::default();
+        flying.push = PushDetector::default();
+        flying.pull = tension;
+        flying.has_failed = false;
+        flying.restarts = flying.restarts.saturating_add(1);
+        flying.heat += S::one();
+    }
+
+    /// The feet have left the ground again.
+    pub fn bounce(&self, flying: &mut FullFlightState<S>, sit: &MahonyState<S>) {
+        flying.is_touching = false;
+        flying.state.attitude = sit.attitude;
+        flying.state.velocity = V3::zeros();
+    }
+
+    /// Takes a height, m, and a payout.
+    pub fn receive(
+        &self,
+        flying: &mut FullFlightState<S>,
+        altitude: Option<S>,
+        payout: Option<Sample<S>>,
+    ) {
+        flying.altitude = altitude.or(flying.altitude);
+        let Some(length) = payout else { return };
+        let rate = flying.payout.map_or(S::zero(), |before| {
+            let dt = length.at.seconds_since(before.last.at).max(1e-3);
+            let now = (length.value - before.last.value) / S::from_f32(dt);
+            before.rate + (now - before.rate) * S::lit(RATE_SHARE)
+        });
+        flying.payout = Some(Payout { last: length, rate, is_new: true });
+    }
+
+    /// First part of a step: the means of gyro and accelerometer, bias not removed, and the thrust before its scale, N.
+    pub fn predict(&self, flying: &mut FullFlightState<S>, imu: &Imu<S>, thrust: S) {
+        flying.reading = flying.accel.step(&self.low_pass, imu.accel.0);
+        let smooth = flying.thrust.get_or_insert_with(|| self.low_pass.settled(thrust));
+        flying.load.thrust = self.low_pass.step(smooth, thrust);
+        flying.tick = flying.tick.wrapping_add(1);
+        let done = self.filter.predict(&mut flying.state, &imu.gyro.0, &flying.load);
+        flying.has_failed |= done.is_err();
+    }
+
+    /// Second part: the accelerometer, and whether the line pulls.
+    pub fn feel(&self, flying: &mut FullFlightState<S>, intent: &Intent<S>) {
+        let done = self.try_feel(flying, intent);
+        flying.has_failed |= done.is_err();
+    }
+
+    fn try_feel(&self, flying: &mut FullFlightState<S>, intent: &Intent<S>) -> Result<(), Fault> {
+        let FullFlightState { state, load, .. } = flying;
+        let nis = self.filter.accelerometer(state, &flying.reading, load)?;
+        flying.health.feel(nis);
+        self.filter.boost(state, &mut flying.push, nis);
+        let Some(length) = self.fixed_length else {
+            if flying.tick.is_multiple_of(2) {
+                let out = load.length_out;
+                self.filter.ground_tension(state, intent.tension, out, S::lit(WINCH_SD))?;
+            }
+            return Ok(());
+        };
+        let distance = self.filter.model.distance(state);
+        let is_inside = distance < length * S::lit(INSIDE);
+        let sample = if is_inside { self.pull_felt(flying) } else { flying.state.tension };
+        flying.pull += (sample - flying.pull) * S::lit(PULL_SHARE);
+        let patience = is_inside.then_some(INSIDE_STEPS);
+        self.slackness.step(&mut flying.slackness, flying.pull, patience);
+        flying.load.is_taut = flying.slackness.is_taut;
+        if !flying.load.is_taut {
+            let state = &mut flying.state;
+            if is_inside {
+                self.filter.chord_tension(state, S::zero(), S::lit(SLACK_TENSION_SD))?;
+            }
+            if distance > length + S::lit(BEYOND) {
+                self.filter.distance(state, length, S::lit(SLACK_LENGTH_SD))?;
+            }
+        }
+        Ok(())
+    }
+
+    /// What is left of the specific force towards the anchor without thrust and wind, N.
+    fn pull_felt(&self, flying: &FullFlightState<S>) -> S {
+        let state = &flying.state;
+        let mut own = (flying.reading - state.accel_bias) * self.filter.model.mass;
+        own.z += state.thrust_scale * flying.load.thrust;
+        let felt = state.attitude.0 * own - state.wind * self.filter.model.mass;
+        -so3::dot(&self.filter.model.direction(state), &felt)
+    }
+
+    /// Last part: height and length. Whether the filter must begin anew.
+    pub fn locate(
+        &self,
+        flying: &mut FullFlightState<S>,
+        intent: &Intent<S>,
+        sit: &MahonyState<S>,
+    ) -> bool {
+        let altitude = flying.altitude.take();
+        flying.heat = (flying.heat - S::lit(OUTER_DT / HEAT_TIME)).max(S::zero());
+        let done = self.try_locate(flying, altitude, intent);
+        let has_failed = flying.has_failed || done.is_err();
+        // The covariance is looked through where there is an altitude: fifty times a second.
+        let is_sound = altitude.is_none() || flying.state.is_sound(self.filter.used());
+        has_failed || !is_sound || flying.health.is_ill(&flying.state, sit)
+    }
+
+    fn try_locate(
+        &self,
+        flying: &mut FullFlightState<S>,
+        altitude: Option<S>,
+        intent: &Intent<S>,
+    ) -> Result<(), Fault> {
+        let state = &mut flying.state;
+        if let Some(altitude) = altitude {
+            if !flying.load.is_taut {
+                let wanted = intent.velocity.0;
+                let sd = S::lit(SLACK_VELOCITY_SD);
+                self.filter.level_velocity(state, [wanted.x, wanted.y], sd)?;
+            }
+            let nis = self.filter.altimeter(state, altitude, self.altimeter_sd)?;
+            flying.health.altimeter(nis);
+        }
+        match (self.fixed_length, &mut flying.payout) {
+            (Some(length), _) if flying.load.is_taut => {
+                // Each row's turn comes at every fourth step: half as often as the variances are meant for.
+                let half = S::lit(core::f64::consts::FRAC_1_SQRT_2);
+                let yields = self.filter.model.chord(state, length, GroundEnd::Fixed).softness;
+                match flying.tick % 4 {
+                    0 => {
+                        let sd = beside(self.fixed_sd, yields) * half;
+                        let nis = self.filter.line_out(state, length, GroundEnd::Fixed, sd)?;
+                        flying.health.length(nis);
+                    }
+                    2 => {
+                        let sd = beside(S::lit(FIXED_RATE_SD), yields * S::lit(3.0)) * half;
+                        self.filter.radial_rate(state, S::zero(), sd)?;
+                    }
+                    _ => {}
+                }
+            }
+            (None, Some(payout)) if payout.is_new => {
+                payout.is_new = false;
+                let length = payout.last.value;
+                flying.load.length_out = length;
+                let yields = self.filter.model.chord(state, length, GroundEnd::Winch).softness;
+                let sd = S::lit(PAYOUT_SD);
+                let nis = self.filter.line_out(state, length, GroundEnd::Winch, sd)?;
+                flying.health.length(nis);
+                let sd = beside(S::lit(PAYOUT_RATE_SD), yields * S::lit(3.0));
+                self.filter.radial_rate(state, payout.rate, sd)?;
+            }
+            _ => {}
+        }
+        Ok(())
+    }
+
+    /// What is known; whether the filters beside it have diverged.
+    pub fn found(&self, flying: &FullFlightState<S>, is_alone: bool) -> Found<S> {
+        let state = &flying.state;
+        let is_lost = flying.heat > S::lit(HEAT_MAX) || (is_alone && flying.heat > S::zero());
+        Found {
+            position: World(state.position),
+            velocity: World(state.velocity),
+            middle_tension: state.tension,
+            is_taut: flying.slackness.is_taut,
+            sd: position_sd(state),
+            air_force: World(state.air_force() - state.velocity * self.filter.model.drag),
+            health: flying.health.means,
+            restarts: flying.restarts,
+            has_diverged: is_lost,
+            source: PositionSource::FullState,
+        }
+    }
+}
+
+impl<S: Scalar> FullFlightState<S> {
+    /// A height waits for the last part of the step.
+    pub fn has_altitude(&self) -> bool {
+        self.altitude.is_some()
+    }
+}
+
+/// One standard deviation of the place, m.
+fn position_sd<S: Scalar>(state: &FullState<S>) -> V3<S> {
+    let variances = state.covariance.variances(POSITION);
+    let wind = state.wind;
+    let is_windy = wind.x * wind.x + wind.y * wind.y > S::lit(WINDY * WINDY);
+    let more = if is_windy { S::lit(WINDY_VARIANCE) } else { S::one() };
+    V3::new((variances.x * more).sqrt(), (variances.y * more).sqrt(), variances.z.sqrt())
+}
+
+/// How the line's weight counts, for a mean set-point, N, and the longest line, m.
+fn sag<S: Scalar>(tension: S, line: Line<S>, longest: S, kind: TetherKind) -> Sag<S> {
+    let k = line.half_weight(longest) * S::lit(2.0) / tension;
+    if longest * k * k < S::lit(24.0 * PAYOUT_SD) {
+        Sag::None
+    } else if kind.has_winch() {
+        Sag::OfEstimate
+    } else {
+        Sag::OfSetpoint(tension)
+    }
+}
+
+/// Standard deviation of two independent errors together.
+fn beside<S: Scalar>(one: S, other: S) -> S {
+    (one * one + other * other).sqrt()
+}
