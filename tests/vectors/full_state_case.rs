@@ -152,12 +152,12 @@ fn model<S: Scalar>(par: &Value, mu: f64, sag: Sag<S>, bow: f64) -> FullStateMod
 fn densities(par: &Value) -> Densities {
     let of = |key: &str| num(par, key);
     Densities {
-        gyro: of("sg"),
+        gyro: [of("sg"); 3],
         velocity: of("qv"),
         tension: of("qfc"),
         thrust_scale: of("qkT"),
         accel_bias: of("qba"),
-        gyro_bias: of("qbg"),
+        gyro_bias: [of("qbg"); 3],
         altimeter_bias: of("qhb"),
         wind: [0.0; 3],
         wind_time: of("tauw"),

@@ -151,8 +151,18 @@ impl<S: Scalar> FullFlight<S> {
         };
         let densities =
             Densities { velocity: f64::from(p.full_velocity_noise), ..Densities::STANDARD };
+        let mut densities = densities;
+        densities.gyro[2] *= f64::from(p.tmp1);
+        densities.gyro_bias[2] *= f64::from(p.tmp2);
+        densities.tension *= f64::from(p.tmp4);
+        densities.wind[0] *= f64::from(p.tmp5);
+        densities.wind[1] *= f64::from(p.tmp5);
+        if let Some(g)=&mut densities.gust { g.share *= f64::from(p.tmp6);}
+
         let accel_sd = f64::from(p.full_accel_sd);
-        let start = StartDeviation::standard();
+        let mut start = StartDeviation::standard();
+        start.gyro_bias.z *= f(p.tmp3);
+
         let fixed_sd = if p.dither > 0.0 { FIXED_SD } else { FIXED_SD_STILL };
         Some(Self {
             filter: FullStateFilter::new(model, &densities, accel_sd, false, OUTER_DT),
@@ -291,12 +301,14 @@ impl<S: Scalar> FullFlight<S> {
         -so3::dot(&self.filter.model.direction(state), &felt)
     }
 
-    /// Last part: height and length. Whether the filter must begin anew.
+    /// Last part: height and length. Whether the filter must begin anew; not `is_clear` of the ground, whose push is in no
+    /// model, only if its numbers are spoilt.
     pub fn locate(
         &self,
         flying: &mut FullFlightState<S>,
         intent: &Intent<S>,
         sit: &MahonyState<S>,
+        is_clear: bool,
     ) -> bool {
         let altitude = flying.altitude.take();
         flying.heat = (flying.heat - S::lit(OUTER_DT / HEAT_TIME)).max(S::zero());
@@ -304,7 +316,7 @@ impl<S: Scalar> FullFlight<S> {
         let has_failed = flying.has_failed || done.is_err();
         // The covariance is looked through where there is an altitude: fifty times a second.
         let is_sound = altitude.is_none() || flying.state.is_sound(self.filter.used());
-        has_failed || !is_sound || flying.health.is_ill(&flying.state, sit)
+        has_failed || !is_sound || (flying.health.is_ill(&flying.state, sit) && is_clear)
     }
 
     fn try_locate(

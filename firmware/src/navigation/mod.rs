@@ -30,6 +30,9 @@ use lift_off::{LiftOff, LiftOffState};
 use position::{PositionFilter, PositionFilterState};
 use tethered::{StageInput, TetheredInput};
 
+/// Over this height the feet can't touch, m.
+const CLEAR: f64 = 0.3;
+
 /// What the vehicle is doing, as far as the filters must know.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Phase {
@@ -207,7 +210,8 @@ impl<S: Scalar> Navigation<S> {
             return;
         };
         let thrust = state.last_thrust / self.thrust.scale;
-        let z = StageInput { imu: &state.average, thrust, intent, sit };
+        let is_clear = state.vertical.height > self.ground_height + S::lit(CLEAR);
+        let z = StageInput { imu: &state.average, thrust, intent, is_clear, sit };
         if let Some(attitude) = self.position.advance(&mut state.position, stage, &z) {
             let (.., yaw) = attitude.euler();
             self.alignment.turn(&mut state.alignment, yaw, false);

@@ -70,6 +70,8 @@ pub(super) struct StageInput<'a, S: Scalar> {
     /// Before its scale, N.
     pub thrust: S,
     pub intent: &'a Intent<S>,
+    /// Of the ground.
+    pub is_clear: bool,
     pub sit: &'a MahonyState<S>,
 }
 
@@ -161,7 +163,7 @@ impl<S: Scalar> Tethered<S> {
             Stage::Feel => config.feel(full, z.intent),
             Stage::Locate => {
                 let has_altitude = full.has_altitude();
-                if config.locate(full, z.intent, z.sit) {
+                if config.locate(full, z.intent, z.sit, z.is_clear) {
                     let known = Known {
                         position: state.ekf.position(),
                         velocity: state.velocity.velocity.0,

@@ -5,6 +5,7 @@ mod angle_flight;
 mod conference;
 mod fixed_flight;
 mod flown;
+mod full_state_table;
 mod journal;
 mod line_flights;
 mod line_path;
@@ -120,7 +121,7 @@ const PENDULUM: &str = "Yang, Reis, Yu & Silvestre, flying inverted pendulum";
 const BOTH_SENSING: &str = "both sensing papers; `inertial`, `localization`";
 
 /// All of them.
-pub const EXPERIMENTS: [Experiment; 31] = [
+pub const EXPERIMENTS: [Experiment; 32] = [
     Experiment {
         key: "planar-nominal",
         paper: JOURNAL,
@@ -274,6 +275,13 @@ pub const EXPERIMENTS: [Experiment; 31] = [
         figure: "Figs. 5 and 6, in flight",
         about: "excite, identify from the log, fly on the tether before and after",
         run: thrust_flight::run,
+    },
+    Experiment {
+        key: "fullstate-table",
+        paper: "our own",
+        figure: "`fullstate`, sections 13, 17, 22, 24 to 26",
+        about: "the full-state filter with its moving tension, from the ground to the ground, in wind",
+        run: full_state_table::run,
     },
     Experiment {
         key: "line-flights",

@@ -3,6 +3,7 @@
 use super::angle::{AngleFlightSummary, AngleMetrics};
 use super::pendulum::{PendulumFlightSummary, PendulumMetrics};
 use super::taut::{TautMetrics, TautSummary};
+use super::place::{PlaceMetrics, PlaceSummary};
 use super::{PERIOD, Spread};
 use crate::plant::{Plant, V3};
 use nalgebra::Rotation3;
@@ -37,6 +38,8 @@ pub struct Metrics {
     pub touch_down_drift: Option<f64>,
     /// Why the vehicle counts as lost.
     pub lost: Option<&'static str>,
+    /// In Tether Hold.
+    pub place: PlaceMetrics,
     /// In the taut-link modes.
     pub taut: TautMetrics,
     /// In Tether Angle.
@@ -71,6 +74,8 @@ pub struct Summary {
     pub touch_down_mps: Option<f64>,
     /// Horizontal speed.
     pub touch_down_drift_mps: Option<f64>,
+    /// In Tether Hold.
+    pub place: Option<PlaceSummary>,
     /// In the taut-link modes.
     pub taut: Option<TautSummary>,
     /// In Tether Angle.
@@ -105,6 +110,7 @@ impl Metrics {
         if !self.steps.is_multiple_of(PERIOD) {
             return;
         }
+        self.place.step(out, plant);
         self.taut.step(out, plant);
         self.angle.step(out, plant);
         self.pendulum.step(out, plant);
@@ -167,6 +173,7 @@ impl Metrics {
             tension_rms_n: self.tension.rms(),
             touch_down_mps: self.touch_down,
             touch_down_drift_mps: self.touch_down_drift,
+            place: self.place.summary(),
             taut: self.taut.summary(),
             angle: self.angle.summary(),
             pendulum: self.pendulum.summary(),

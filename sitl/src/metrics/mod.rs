@@ -6,12 +6,14 @@ use crate::plant::TICK;
 mod angle;
 mod flown;
 mod pendulum;
+mod place;
 mod spread;
 mod taut;
 
 pub use angle::{AngleFlightSummary, AngleMetrics};
 pub use flown::{Metrics, Summary};
 pub use pendulum::{PendulumFlightSummary, PendulumMetrics};
+pub use place::{PlaceMetrics, PlaceSummary};
 pub use spread::Spread;
 pub use taut::{TautMetrics, TautSummary};
 

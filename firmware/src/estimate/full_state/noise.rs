@@ -7,8 +7,8 @@ use crate::scalar::Scalar;
 /// Random walks as densities (per square root of a second) and correlation times, s.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Densities {
-    /// rad/√s.
-    pub gyro: f64,
+    /// rad/√s, body axes.
+    pub gyro: [f64; 3],
     /// m/s/√s; 0.15 over a moving anchor.
     pub velocity: f64,
     /// N/√s.
@@ -17,8 +17,8 @@ pub struct Densities {
     pub thrust_scale: f64,
     /// m/s²/√s.
     pub accel_bias: f64,
-    /// rad/s/√s.
-    pub gyro_bias: f64,
+    /// rad/s/√s, body axes.
+    pub gyro_bias: [f64; 3],
     /// m/√s.
     pub altimeter_bias: f64,
     /// Mean wind force over mass: North, East, Down, m/s²/√s.
@@ -65,12 +65,12 @@ impl GustNoise {
 impl Densities {
     /// `fullstate` sections 5 and 18.
     pub const STANDARD: Self = Self {
-        gyro: 0.03 * DEGREE,
+        gyro: [0.03 * DEGREE; 3],
         velocity: 0.02,
         tension: 4.0,
         thrust_scale: 5e-4,
         accel_bias: 2e-4,
-        gyro_bias: 0.002 * DEGREE,
+        gyro_bias: [0.002 * DEGREE; 3],
         altimeter_bias: 1e-3,
         wind: [0.005; 3],
         wind_time: 300.0,
@@ -87,10 +87,10 @@ const DEGREE: f64 = core::f64::consts::PI / 180.0;
 pub(super) struct StepNoise<S: Scalar> {
     pub dt: S,
     pub velocity: S,
-    pub tilt: S,
+    pub tilt: V3<S>,
     pub scalars: V3<S>,
     pub accel_bias: S,
-    pub gyro_bias: S,
+    pub gyro_bias: V3<S>,
     pub wind: V3<S>,
     pub wind_left: S,
     pub gust: Option<StepGust<S>>,
@@ -112,7 +112,7 @@ pub(super) struct StepGust<S: Scalar> {
 impl<S: Scalar> StepNoise<S> {
     pub fn new(density: &Densities, dt: f64) -> Self {
         let walk = |density: f64| S::lit(density * density * dt);
-        let [north, east, down] = density.wind;
+        let each = |densities: [f64; 3]| V3::from(densities.map(walk));
         let remains = |time: f64| if time > 0.0 { decay(time, dt) } else { S::one() };
         let gust = density.gust.map(|gust| {
             let left = |time: f64| libm::exp(-dt / time);
@@ -133,15 +133,15 @@ impl<S: Scalar> StepNoise<S> {
         Self {
             dt: S::lit(dt),
             velocity: walk(density.velocity),
-            tilt: walk(density.gyro),
+            tilt: each(density.gyro),
             scalars: V3::new(
                 walk(density.tension),
                 walk(density.thrust_scale),
                 walk(density.altimeter_bias),
             ),
             accel_bias: walk(density.accel_bias),
-            gyro_bias: walk(density.gyro_bias),
-            wind: V3::new(walk(north), walk(east), walk(down)),
+            gyro_bias: each(density.gyro_bias),
+            wind: each(density.wind),
             wind_left: remains(density.wind_time),
             gust,
             offset: walk(density.offset),

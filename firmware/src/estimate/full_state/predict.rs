@@ -239,10 +239,10 @@ impl<S: Scalar> FullStateFilter<S> {
         let n = &self.noise;
         let same = |variance: S| V3::new(variance, variance, variance);
         p.inflate(VELOCITY, &same(n.velocity));
-        p.inflate(TILT, &same(n.tilt));
+        p.inflate(TILT, &n.tilt);
         p.inflate(SCALARS, &n.scalars);
         p.inflate(ACCEL_BIAS, &same(n.accel_bias));
-        p.inflate(GYRO_BIAS, &same(n.gyro_bias));
+        p.inflate(GYRO_BIAS, &n.gyro_bias);
         p.inflate(WIND, &n.wind);
         if let Some(gust) = gust {
             p.inflate(GUST, &gust);

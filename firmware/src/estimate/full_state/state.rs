@@ -57,8 +57,8 @@ pub struct StartDeviation<S> {
     pub altimeter_bias: S,
     /// m/s².
     pub accel_bias: S,
-    /// rad/s.
-    pub gyro_bias: S,
+    /// rad/s, body axes.
+    pub gyro_bias: V3<S>,
     /// Mean wind force over mass, level, m/s².
     pub wind_level: S,
     /// Mean wind force over mass, down, m/s².
@@ -82,7 +82,7 @@ impl<S: Scalar> StartDeviation<S> {
             thrust_scale: S::lit(0.04),
             altimeter_bias: S::lit(0.02),
             accel_bias: S::lit(0.05),
-            gyro_bias: S::lit(0.03 * DEGREE),
+            gyro_bias: V3::repeat(S::lit(0.03 * DEGREE)),
             wind_level: S::lit(1.5),
             wind_down: S::lit(0.1),
             gust: S::lit(0.02),
@@ -99,7 +99,7 @@ impl<S: Scalar> StartDeviation<S> {
             (TILT, V3::new(self.tilt, self.tilt, self.yaw)),
             (SCALARS, V3::new(self.tension, self.thrust_scale, self.altimeter_bias)),
             (ACCEL_BIAS, all(self.accel_bias)),
-            (GYRO_BIAS, all(self.gyro_bias)),
+            (GYRO_BIAS, self.gyro_bias),
             (WIND, V3::new(self.wind_level, self.wind_level, self.wind_down)),
             (GUST, all(self.gust)),
             (OFFSET, V3::new(self.offset, self.offset, S::zero())),
