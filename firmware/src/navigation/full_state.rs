@@ -183,12 +183,15 @@ impl<S: Scalar> FullFlight<S> {
 
     /// The vehicle has left the ground at a known place.
     pub fn lift_off(&self, place: &World<V3<S>>, sit: &MahonyState<S>) -> FullFlightState<S> {
-        let (tension, bias) = (self.start_tension, sit.gyro_bias.0);
+        let tension = if self.fixed_length.is_some() { S::zero() } else { self.start_tension };
+        let bias = sit.gyro_bias.0;
         let state = FullState::at_rest(place.0, sit.attitude, tension, bias, &self.start);
+        let is_winch = self.fixed_length.is_none();
+        let slackness = if is_winch { SlacknessState::default() } else { SlacknessState::SLACK };
         let length_out = self.fixed_length.unwrap_or(self.filter.model.distance(&state));
         FullFlightState {
             state,
-            slackness: SlacknessState::default(),
+            slackness,
             health: FullHealth::default(),
             restarts: 0,
             is_touching: false,
@@ -199,7 +202,7 @@ impl<S: Scalar> FullFlight<S> {
             altitude: None,
             payout: None,
             heat: S::zero(),
-            load: Load { thrust: S::zero(), is_taut: true, length_out },
+            load: Load { thrust: S::zero(), is_taut: slackness.is_taut, length_out },
             reading: V3::zeros(),
             tick: 0,
             has_failed: false,
@@ -278,6 +281,11 @@ impl<S: Scalar> FullFlight<S> {
         let sample = if is_inside { self.pull_felt(flying) } else { flying.state.tension };
         flying.pull += (sample - flying.pull) * S::lit(PULL_SHARE);
         let patience = is_inside.then_some(INSIDE_STEPS);
+        let u = self.filter.model.direction(&flying.state);
+        let outwards = so3::dot(&u, &flying.state.velocity);
+        if !flying.slackness.is_taut && outwards.abs() > S::lit(0.2) && flying.pull < S::lit(4.0) {
+            flying.pull = flying.pull.min(S::lit(1.5));
+        }
         self.slackness.step(&mut flying.slackness, flying.pull, patience);
         flying.load.is_taut = flying.slackness.is_taut;
         if !flying.load.is_taut {

@@ -23,6 +23,11 @@ pub(super) struct SlacknessState {
     steps: u16,
 }
 
+impl SlacknessState {
+    /// Until a pull has lasted.
+    pub const SLACK: Self = Self { is_taut: false, steps: 0 };
+}
+
 impl Default for SlacknessState {
     fn default() -> Self {
         Self { is_taut: true, steps: 0 }
