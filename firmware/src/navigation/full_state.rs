@@ -9,7 +9,7 @@ use super::position::Found;
 use super::slackness::{Slackness, SlacknessState};
 use crate::estimate::full_state::{
     Densities, FullState, FullStateFilter, FullStateModel, GroundEnd, Load, POSITION, PushDetector,
-    Sag, StartDeviation,
+    SCALARS, Sag, StartDeviation,
 };
 use crate::estimate::{Fault, MahonyState};
 use crate::frames::{V3, World};
@@ -28,6 +28,8 @@ const FIXED_SD: f64 = 0.12;
 const FIXED_SD_STILL: f64 = 0.06;
 /// Of a payout, m: less sag than this is none.
 const PAYOUT_SD: f64 = 0.03;
+/// How a barometer's height drifts, m/√s.
+const BAROMETER_WALK: f64 = 0.02;
 /// Of the chord's rate, m/s.
 const FIXED_RATE_SD: f64 = 0.30;
 const PAYOUT_RATE_SD: f64 = 0.60;
@@ -88,7 +90,9 @@ pub(super) struct FullFlightState<S: Scalar> {
     thrust: Option<BiquadState<S>>,
     /// Low-passed, N.
     pull: S,
-    altitude: Option<S>,
+    altitude: Option<Height<S>>,
+    /// The height comes from the barometer.
+    is_barometric: bool,
     payout: Option<Payout<S>>,
     /// Restarts lately.
     heat: S,
@@ -99,6 +103,15 @@ pub(super) struct FullFlightState<S: Scalar> {
     tick: u8,
     /// A part of the step was refused.
     has_failed: bool,
+}
+
+/// Over the anchor.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Height<S> {
+    /// m.
+    pub value: S,
+    /// By the rangefinder, not by the barometer.
+    pub is_ranged: bool,
 }
 
 /// Line that is out of a winch.
@@ -161,6 +174,7 @@ impl<S: Scalar> FullFlight<S> {
 
         let accel_sd = f64::from(p.full_accel_sd);
         let mut start = StartDeviation::standard();
+        start.velocity = S::lit(0.7);
         start.gyro_bias.z *= f(p.tmp3);
 
         let fixed_sd = if p.dither > 0.0 { FIXED_SD } else { FIXED_SD_STILL };
@@ -200,6 +214,7 @@ impl<S: Scalar> FullFlight<S> {
             thrust: None,
             pull: tension,
             altitude: None,
+            is_barometric: false,
             payout: None,
             heat: S::zero(),
             load: Load { thrust: S::zero(), is_taut: slackness.is_taut, length_out },
@@ -235,7 +250,7 @@ impl<S: Scalar> FullFlight<S> {
     pub fn receive(
         &self,
         flying: &mut FullFlightState<S>,
-        altitude: Option<S>,
+        altitude: Option<Height<S>>,
         payout: Option<Sample<S>>,
     ) {
         flying.altitude = altitude.or(flying.altitude);
@@ -254,6 +269,11 @@ impl<S: Scalar> FullFlight<S> {
         let smooth = flying.thrust.get_or_insert_with(|| self.low_pass.settled(thrust));
         flying.load.thrust = self.low_pass.step(smooth, thrust);
         flying.tick = flying.tick.wrapping_add(1);
+        if flying.is_barometric {
+            let walk = S::lit(BAROMETER_WALK * BAROMETER_WALK * OUTER_DT);
+            let o = S::zero();
+            flying.state.covariance.inflate(SCALARS, &V3::new(o, o, walk));
+        }
         let done = self.filter.predict(&mut flying.state, &imu.gyro.0, &flying.load);
         flying.has_failed |= done.is_err();
     }
@@ -330,7 +350,7 @@ impl<S: Scalar> FullFlight<S> {
     fn try_locate(
         &self,
         flying: &mut FullFlightState<S>,
-        altitude: Option<S>,
+        altitude: Option<Height<S>>,
         intent: &Intent<S>,
     ) -> Result<(), Fault> {
         let state = &mut flying.state;
@@ -340,7 +360,11 @@ impl<S: Scalar> FullFlight<S> {
                 let sd = S::lit(SLACK_VELOCITY_SD);
                 self.filter.level_velocity(state, [wanted.x, wanted.y], sd)?;
             }
-            let nis = self.filter.altimeter(state, altitude, self.altimeter_sd)?;
+            if flying.is_barometric && altitude.is_ranged {
+                state.renew_altimeter(self.start.altimeter_bias);
+            }
+            flying.is_barometric = !altitude.is_ranged;
+            let nis = self.filter.altimeter(state, altitude.value, self.altimeter_sd)?;
             flying.health.altimeter(nis);
         }
         match (self.fixed_length, &mut flying.payout) {

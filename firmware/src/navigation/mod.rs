@@ -27,6 +27,7 @@ use crate::time::{Micros, OUTER_DT, Sample};
 use alignment::{Alignment, AlignmentState};
 use decimator::Decimator;
 use lift_off::{LiftOff, LiftOffState};
+use full_state::Height;
 use position::{PositionFilter, PositionFilterState};
 use tethered::{StageInput, TetheredInput};
 
@@ -198,7 +199,10 @@ impl<S: Scalar> Navigation<S> {
             accel: imu.accel,
             force,
             thrust: state.last_thrust,
-            altitude: state.pending_altitude.take(),
+            altitude: state.pending_altitude.take().map(|value| Height {
+                value,
+                is_ranged: sensors.altitude_is_ranged,
+            }),
             length: state.pending_length.take(),
         };
         self.position.step(&mut state.position, &z);

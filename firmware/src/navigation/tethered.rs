@@ -2,7 +2,7 @@
 //! the full-state filter, which then is what flies and begins anew from them.
 
 use super::divergence::{Divergence, DivergenceState};
-use super::full_state::{FullFlight, FullFlightState, Intent, Known};
+use super::full_state::{FullFlight, FullFlightState, Height, Intent, Known};
 use super::position::Found;
 use super::slackness::{Slackness, SlacknessState};
 use crate::estimate::{
@@ -49,7 +49,7 @@ pub(super) struct TetheredInput<'a, S: Scalar> {
     pub force: World<V3<S>>,
     /// N.
     pub thrust: S,
-    pub altitude: Option<S>,
+    pub altitude: Option<Height<S>>,
     pub length: Option<Sample<S>>,
 }
 
@@ -126,7 +126,7 @@ impl<S: Scalar> Tethered<S> {
             attitude: z.sit.attitude,
             accel: z.accel,
             thrust: z.thrust,
-            altitude: z.altitude,
+            altitude: z.altitude.map(|height| height.value),
             length: payout.map(|length| length.value).or_else(fixed),
         };
         if let (Some(config), Some(full)) = (&self.full, &mut state.full) {

@@ -135,7 +135,7 @@ impl Group {
         let between = match self.between {
             Between::Hold => "[[mission]]\ndo = \"hold\"\nseconds = 40",
             Between::Moves => MOVES,
-            Between::Nothing => "",
+            Between::Nothing => "[[mission]]\ndo = \"hold\"\nseconds = 5",
         };
         let text = format!(
             r#"

@@ -176,6 +176,14 @@ impl<S: Scalar> FullState<S> {
         Ok(())
     }
 
+    /// Another altimeter, whose bias is not that of the one before: zero, by the given standard deviation, m.
+    pub fn renew_altimeter(&mut self, sd: S) {
+        let (o, one) = (S::zero(), S::one());
+        self.altimeter_bias = o;
+        self.covariance.scale(SCALARS, BLOCKS, &V3::new(one, one, o));
+        self.covariance.inflate(SCALARS, &V3::new(o, o, sd * sd));
+    }
+
     /// Whether every number of the estimate is finite, and every variance not negative.
     #[must_use]
     pub fn is_sound(&self, used: usize) -> bool {
