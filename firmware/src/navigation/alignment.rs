@@ -17,6 +17,17 @@ pub(super) struct Alignment<S: Scalar> {
     mahony: Mahony<S>,
 }
 
+/// What the accelerometer says of the vertical.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Stance {
+    /// Firmly on the ground.
+    Standing,
+    /// Still there, but the thrust carries much of the weight.
+    Light,
+    /// Off the ground.
+    Airborne,
+}
+
 /// What moves.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct AlignmentState<S: Scalar> {
@@ -47,11 +58,15 @@ impl<S: Scalar> Alignment<S> {
         state.attitude = self.leveller.step(&mut state.level, imu);
     }
 
-    /// One filter step; on the ground the gyro bias stays as it was levelled.
-    pub fn step(&self, attitude: &mut MahonyState<S>, imu: &Imu<S>, on_ground: bool, dt: S) {
-        let ki = if on_ground { S::zero() } else { self.mahony.ki };
+    /// One filter step. On the ground the gyro bias stays as it was levelled; what slides there shows no vertical.
+    pub fn step(&self, attitude: &mut MahonyState<S>, imu: &Imu<S>, stance: Stance, dt: S) {
+        let (kp, ki) = match stance {
+            Stance::Standing => (self.mahony.kp, S::zero()),
+            Stance::Light => (S::zero(), S::zero()),
+            Stance::Airborne => (self.mahony.kp, self.mahony.ki),
+        };
         // A refused step keeps the attitude; the IMU's own checks raise the fault.
-        let _ = Mahony { ki, ..self.mahony }.step(attitude, &imu.gyro, &imu.accel, dt);
+        let _ = Mahony { kp, ki }.step(attitude, &imu.gyro, &imu.accel, dt);
     }
 
     /// Turns about the vertical towards a measured heading: at once on the ground, slowly in the air.

@@ -8,8 +8,8 @@ use super::full_health::FullHealth;
 use super::position::Found;
 use super::slackness::{Slackness, SlacknessState};
 use crate::estimate::full_state::{
-    Densities, FullState, FullStateFilter, FullStateModel, GroundEnd, Load, POSITION, PushDetector,
-    SCALARS, Sag, StartDeviation,
+    Densities, FullState, FullStateFilter, FullStateModel, GUST, GroundEnd, Load, POSITION,
+    PushDetector, SCALARS, Sag, StartDeviation,
 };
 use crate::estimate::{Fault, MahonyState};
 use crate::frames::{V3, World};
@@ -72,6 +72,8 @@ pub(super) struct FullFlight<S: Scalar> {
     /// m; `None` with a winch.
     fixed_length: Option<S>,
     fixed_sd: S,
+    early: S,
+    early_left: S,
     start_tension: S,
 }
 
@@ -93,6 +95,7 @@ pub(super) struct FullFlightState<S: Scalar> {
     altitude: Option<Height<S>>,
     /// The height comes from the barometer.
     is_barometric: bool,
+    early: S,
     payout: Option<Payout<S>>,
     /// Restarts lately.
     heat: S,
@@ -167,14 +170,13 @@ impl<S: Scalar> FullFlight<S> {
         let mut densities = densities;
         densities.gyro[2] *= f64::from(p.tmp1);
         densities.gyro_bias[2] *= f64::from(p.tmp2);
-        densities.tension *= f64::from(p.tmp4);
-        densities.wind[0] *= f64::from(p.tmp5);
-        densities.wind[1] *= f64::from(p.tmp5);
-        if let Some(g)=&mut densities.gust { g.share *= f64::from(p.tmp6);}
 
         let accel_sd = f64::from(p.full_accel_sd);
         let mut start = StartDeviation::standard();
-        start.velocity = S::lit(0.7);
+        start.velocity = f(p.tmp5);
+        start.position = f(p.tmp6);
+        let restart_base = start;
+        start.tilt = start.tilt * f(p.tmp4);
         start.gyro_bias.z *= f(p.tmp3);
 
         let fixed_sd = if p.dither > 0.0 { FIXED_SD } else { FIXED_SD_STILL };
@@ -184,22 +186,30 @@ impl<S: Scalar> FullFlight<S> {
             restart: StartDeviation {
                 position: S::lit(RESTART_PLACE_SD),
                 velocity: S::lit(RESTART_VELOCITY_SD),
-                ..start
+                ..restart_base
             },
             low_pass: Biquad::low_pass(p.full_cutoff, 1.0 / OUTER_DT as f32),
             slackness: Slackness::new(p, false),
             altimeter_sd: f(p.full_altimeter_sd),
             fixed_length: (!kind.has_winch()).then(|| f(p.tether_length)),
             fixed_sd: S::lit(fixed_sd),
+            early: S::zero(),
+            early_left: crate::math::filter::decay(f64::from(0.0), OUTER_DT),
             start_tension: f(p.tension_low),
         })
     }
 
     /// The vehicle has left the ground at a known place.
-    pub fn lift_off(&self, place: &World<V3<S>>, sit: &MahonyState<S>) -> FullFlightState<S> {
+    pub fn lift_off(
+        &self,
+        place: &World<V3<S>>,
+        velocity: &World<V3<S>>,
+        sit: &MahonyState<S>,
+    ) -> FullFlightState<S> {
         let tension = if self.fixed_length.is_some() { S::zero() } else { self.start_tension };
         let bias = sit.gyro_bias.0;
         let state = FullState::at_rest(place.0, sit.attitude, tension, bias, &self.start);
+        let state = FullState { velocity: velocity.0, ..state };
         let is_winch = self.fixed_length.is_none();
         let slackness = if is_winch { SlacknessState::default() } else { SlacknessState::SLACK };
         let length_out = self.fixed_length.unwrap_or(self.filter.model.distance(&state));
@@ -215,6 +225,7 @@ impl<S: Scalar> FullFlight<S> {
             pull: tension,
             altitude: None,
             is_barometric: false,
+            early: self.early,
             payout: None,
             heat: S::zero(),
             load: Load { thrust: S::zero(), is_taut: slackness.is_taut, length_out },
@@ -269,6 +280,9 @@ impl<S: Scalar> FullFlight<S> {
         let smooth = flying.thrust.get_or_insert_with(|| self.low_pass.settled(thrust));
         flying.load.thrust = self.low_pass.step(smooth, thrust);
         flying.tick = flying.tick.wrapping_add(1);
+        flying.early = flying.early * self.early_left;
+        let e = flying.early * flying.early * S::lit(2.0 * OUTER_DT / 10.0);
+        flying.state.covariance.inflate(GUST, &V3::new(e, e, e * S::lit(0.25)));
         if flying.is_barometric {
             let walk = S::lit(BAROMETER_WALK * BAROMETER_WALK * OUTER_DT);
             let o = S::zero();

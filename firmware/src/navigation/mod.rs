@@ -24,10 +24,10 @@ use crate::param::Params;
 use crate::scalar::Scalar;
 use crate::signal::{Estimate, FilterHealth, Imu, PositionSource, Sensors};
 use crate::time::{Micros, OUTER_DT, Sample};
-use alignment::{Alignment, AlignmentState};
+use alignment::{Alignment, AlignmentState, Stance};
 use decimator::Decimator;
-use lift_off::{LiftOff, LiftOffState};
 use full_state::Height;
+use lift_off::{LiftOff, LiftOffState};
 use position::{PositionFilter, PositionFilterState};
 use tethered::{StageInput, TetheredInput};
 
@@ -63,7 +63,7 @@ pub struct NavigationState<S: Scalar> {
     thrust: ThrustModelState<S>,
     alignment: AlignmentState<S>,
     vertical: VerticalState<S>,
-    lift_off: LiftOffState,
+    lift_off: LiftOffState<S>,
     position: PositionFilterState<S>,
     now: Micros,
     altitude_at: Option<Micros>,
@@ -167,7 +167,12 @@ impl<S: Scalar> Navigation<S> {
             return;
         };
         let imu = state.average;
-        self.alignment.step(sit, &imu, on_ground, dt);
+        let stance = match phase {
+            _ if !on_ground => Stance::Airborne,
+            Phase::Powered if self.lift_off.is_light(state.last_thrust) => Stance::Light,
+            _ => Stance::Standing,
+        };
+        self.alignment.step(sit, &imu, stance, dt);
         let force = sit.attitude.to_world(imu.accel);
         let accel_up = -(force.0.z + S::lit(GRAVITY));
         self.vertical.predict(&mut state.vertical, accel_up, dt, sensors.altitude_is_fresh);
@@ -182,8 +187,11 @@ impl<S: Scalar> Navigation<S> {
             }
             Phase::Powered if on_ground => {
                 let height = state.vertical.height;
-                if self.lift_off.step(&mut state.lift_off, height, state.last_thrust) {
-                    self.position.lift_off(&mut state.position, height, sit);
+                if self.lift_off.step(&mut state.lift_off, height, state.last_thrust, &force) {
+                    let LiftOffState { slid, mut velocity, .. } = state.lift_off;
+                    velocity.z = -state.vertical.climb;
+                    let velocity = World(velocity);
+                    self.position.lift_off(&mut state.position, height, &slid, velocity, sit);
                 }
             }
             Phase::Powered => {}
@@ -199,10 +207,10 @@ impl<S: Scalar> Navigation<S> {
             accel: imu.accel,
             force,
             thrust: state.last_thrust,
-            altitude: state.pending_altitude.take().map(|value| Height {
-                value,
-                is_ranged: sensors.altitude_is_ranged,
-            }),
+            altitude: state
+                .pending_altitude
+                .take()
+                .map(|value| Height { value, is_ranged: sensors.altitude_is_ranged }),
             length: state.pending_length.take(),
         };
         self.position.step(&mut state.position, &z);
@@ -272,6 +280,11 @@ impl<S: Scalar> NavigationState<S> {
     #[must_use]
     pub fn average(&self) -> &Imu<S> {
         &self.average
+    }
+    /// How fast it slides on its feet before lift-off, level, world axes, m/s.
+    #[must_use]
+    pub fn sliding(&self) -> World<V3<S>> {
+        World(self.lift_off.velocity)
     }
     /// Whether the full-state filter says how the vehicle sits.
     #[must_use]

@@ -152,12 +152,19 @@ impl<S: Scalar> PositionFilter<S> {
         flying.touch()
     }
 
-    /// The vehicle has left the ground, at this height, m.
-    pub fn lift_off(&self, state: &mut PositionFilterState<S>, height: S, sit: &MahonyState<S>) {
-        let mut place = state.place;
+    /// The vehicle has left the ground, at this height, m, having slid so far.
+    pub fn lift_off(
+        &self,
+        state: &mut PositionFilterState<S>,
+        height: S,
+        slid: &V3<S>,
+        velocity: World<V3<S>>,
+        sit: &MahonyState<S>,
+    ) {
+        let mut place = World(state.place.0 + slid);
         place.0.z = -height;
         state.airborne = Some(match &self.filter {
-            Filter::Tether(filter) => Airborne::Tether(filter.lift_off(place, sit)),
+            Filter::Tether(filter) => Airborne::Tether(filter.lift_off(place, velocity, sit)),
             Filter::Capture(_) | Filter::Absent => Airborne::Elsewhere,
         });
     }

@@ -99,7 +99,15 @@ impl<S: Scalar> Tethered<S> {
     }
 
     /// The vehicle has left the ground, near a place.
-    pub fn lift_off(&self, mut place: World<V3<S>>, sit: &MahonyState<S>) -> TetheredState<S> {
+    pub fn lift_off(
+        &self,
+        place: World<V3<S>>,
+        velocity: World<V3<S>>,
+        sit: &MahonyState<S>,
+    ) -> TetheredState<S> {
+        let begin = || self.full.as_ref().map(|full| full.lift_off(&place, &velocity, sit));
+        let full = feature::FullState::build(begin);
+        let mut place = place;
         if let Some(length) = self.fixed_length {
             // On the sphere, whatever the height at which the link became taut.
             let side = so3::norm(&V3::new(place.0.x, place.0.y, S::zero()));
@@ -108,13 +116,12 @@ impl<S: Scalar> Tethered<S> {
             place.0.x *= share;
             place.0.y *= share;
         }
-        let begin = || self.full.as_ref().map(|full| full.lift_off(&place, sit));
         TetheredState {
             ekf: Ekf4State::at(place.0, self.start_tension),
             velocity: VelocityState::at(place),
             slackness: SlacknessState::default(),
             divergence: DivergenceState::default(),
-            full: feature::FullState::build(begin),
+            full,
         }
     }
 

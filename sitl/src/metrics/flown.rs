@@ -2,8 +2,8 @@
 
 use super::angle::{AngleFlightSummary, AngleMetrics};
 use super::pendulum::{PendulumFlightSummary, PendulumMetrics};
-use super::taut::{TautMetrics, TautSummary};
 use super::place::{PlaceMetrics, PlaceSummary};
+use super::taut::{TautMetrics, TautSummary};
 use super::{PERIOD, Spread};
 use crate::plant::{Plant, V3};
 use nalgebra::Rotation3;

@@ -66,9 +66,7 @@ impl PlaceMetrics {
         self.ratio.add(error.x / deviation.x);
         self.ratio.add(error.y / deviation.y);
         let [level, vertical] = &mut self.kept;
-        *level += u64::from(
-            error.x.hypot(error.y) <= PROMISE * deviation.x.hypot(deviation.y),
-        );
+        *level += u64::from(error.x.hypot(error.y) <= PROMISE * deviation.x.hypot(deviation.y));
         *vertical += u64::from(error.z.abs() <= PROMISE * deviation.z);
         self.count += 1;
     }

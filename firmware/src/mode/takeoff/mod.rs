@@ -10,6 +10,7 @@ use super::{
 };
 use crate::control::{PositionState, RadialControl};
 use crate::frames::{V3, World};
+use crate::math::so3;
 use crate::scalar::Scalar;
 use crate::signal::SphericalPoint;
 use crate::supervisor::{Failure, GroundState};
@@ -19,6 +20,8 @@ use slack_hover::SlackHover;
 /// Thrust at which the ramp on the ground begins, N.
 const SPOOL_START: f64 = 3.0;
 /// Time after the ramp in which the vehicle must have left the ground, s.
+const SLIDE_DAMPING: f64 = 3.0;
+const SLIDE_LEAN: f64 = 0.2;
 const SPOOL_GRACE: f64 = 2.0;
 
 /// What moves.
@@ -129,7 +132,13 @@ impl<S: Scalar> Takeoff<S> {
         let full = weight * S::from_f32(p.spool_thrust) + tension;
         let start = S::lit(SPOOL_START).min(weight * S::lit(0.5));
         let thrust = start + (full - start) * (self.spool / time).min(S::one());
-        let attitude = cx.thrust(V3::new(S::zero(), S::zero(), -thrust), handover.heading);
+        // Light on its feet it slides in the wind: lean against that.
+        let lean =
+            situation.navigation.sliding().0 * (-S::lit(SLIDE_DAMPING) * cx.config.constants.mass);
+        let most = thrust * S::lit(SLIDE_LEAN);
+        let share = (most / so3::norm(&lean).max(most)).min(S::one());
+        let force = lean * share - V3::new(S::zero(), S::zero(), thrust);
+        let attitude = cx.thrust(force, handover.heading);
         Ok(Setpoints { attitude, ground, ..cx.unchanged(tension) })
     }
 
