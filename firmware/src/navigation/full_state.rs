@@ -8,8 +8,8 @@ use super::full_health::FullHealth;
 use super::position::Found;
 use super::slackness::{Slackness, SlacknessState};
 use crate::estimate::full_state::{
-    Densities, FullState, FullStateFilter, FullStateModel, GUST, GroundEnd, Load, POSITION,
-    PushDetector, SCALARS, Sag, StartDeviation,
+    Densities, FullState, FullStateFilter, FullStateModel, GroundEnd, Load, POSITION, PushDetector,
+    SCALARS, Sag, StartDeviation,
 };
 use crate::estimate::{Fault, MahonyState};
 use crate::frames::{V3, World};
@@ -47,6 +47,19 @@ const INSIDE: f64 = 0.85;
 const INSIDE_STEPS: u16 = 75;
 /// Share of a new sample of the pull.
 const PULL_SHARE: f64 = 0.06;
+/// A taut line of fixed length does not let the vehicle move along it. While it does, faster than this, m/s, the wind may
+/// be what pulls, up to so many N: then no more than this is felt of the line, N, too little to call it taut.
+const TAUT_SPEED: f64 = 0.2;
+const WIND_PULL: f64 = 4.0;
+const TAUT_PULL: f64 = 1.5;
+/// At lift-off, levelled and integrated from standing: place, m, velocity, m/s, tilt, rad.
+const START_PLACE_SD: f64 = 0.25;
+const START_VELOCITY_SD: f64 = 0.3;
+const START_TILT_SD: f64 = 0.008;
+/// The gyro's axis along the thrust is steadier than `fullstate` takes it for, and nothing measures the heading: with
+/// more noise there, errors of the other rows turn it. Shares of the other axes' noise and of its bias' deviation.
+const YAW_SHARE: f64 = 0.2;
+const YAW_BIAS_SHARE: f64 = 0.3;
 /// After a restart: place, m, and velocity, m/s; least pull, N.
 const RESTART_PLACE_SD: f64 = 1.0;
 const RESTART_VELOCITY_SD: f64 = 0.5;
@@ -72,8 +85,6 @@ pub(super) struct FullFlight<S: Scalar> {
     /// m; `None` with a winch.
     fixed_length: Option<S>,
     fixed_sd: S,
-    early: S,
-    early_left: S,
     start_tension: S,
 }
 
@@ -95,7 +106,6 @@ pub(super) struct FullFlightState<S: Scalar> {
     altitude: Option<Height<S>>,
     /// The height comes from the barometer.
     is_barometric: bool,
-    early: S,
     payout: Option<Payout<S>>,
     /// Restarts lately.
     heat: S,
@@ -165,36 +175,36 @@ impl<S: Scalar> FullFlight<S> {
             sag: sag(f(p.tension), line, f(longest), kind),
             bow: S::zero(),
         };
-        let densities =
-            Densities { velocity: f64::from(p.full_velocity_noise), ..Densities::STANDARD };
-        let mut densities = densities;
-        densities.gyro[2] *= f64::from(p.tmp1);
-        densities.gyro_bias[2] *= f64::from(p.tmp2);
-
+        let [gyro_x, gyro_y, gyro_z] = Densities::STANDARD.gyro;
+        let [walk_x, walk_y, walk_z] = Densities::STANDARD.gyro_bias;
+        let densities = Densities {
+            velocity: f64::from(p.full_velocity_noise),
+            gyro: [gyro_x, gyro_y, gyro_z * YAW_SHARE],
+            gyro_bias: [walk_x, walk_y, walk_z * YAW_SHARE],
+            ..Densities::STANDARD
+        };
         let accel_sd = f64::from(p.full_accel_sd);
-        let mut start = StartDeviation::standard();
-        start.velocity = f(p.tmp5);
-        start.position = f(p.tmp6);
-        let restart_base = start;
-        start.tilt = start.tilt * f(p.tmp4);
-        start.gyro_bias.z *= f(p.tmp3);
-
+        let mut standard = StartDeviation::standard();
+        standard.gyro_bias.z *= S::lit(YAW_BIAS_SHARE);
         let fixed_sd = if p.dither > 0.0 { FIXED_SD } else { FIXED_SD_STILL };
         Some(Self {
             filter: FullStateFilter::new(model, &densities, accel_sd, false, OUTER_DT),
-            start,
+            start: StartDeviation {
+                position: S::lit(START_PLACE_SD),
+                velocity: S::lit(START_VELOCITY_SD),
+                tilt: S::lit(START_TILT_SD),
+                ..standard
+            },
             restart: StartDeviation {
                 position: S::lit(RESTART_PLACE_SD),
                 velocity: S::lit(RESTART_VELOCITY_SD),
-                ..restart_base
+                ..standard
             },
             low_pass: Biquad::low_pass(p.full_cutoff, 1.0 / OUTER_DT as f32),
             slackness: Slackness::new(p, false),
             altimeter_sd: f(p.full_altimeter_sd),
             fixed_length: (!kind.has_winch()).then(|| f(p.tether_length)),
             fixed_sd: S::lit(fixed_sd),
-            early: S::zero(),
-            early_left: crate::math::filter::decay(f64::from(0.0), OUTER_DT),
             start_tension: f(p.tension_low),
         })
     }
@@ -225,7 +235,6 @@ impl<S: Scalar> FullFlight<S> {
             pull: tension,
             altitude: None,
             is_barometric: false,
-            early: self.early,
             payout: None,
             heat: S::zero(),
             load: Load { thrust: S::zero(), is_taut: slackness.is_taut, length_out },
@@ -280,9 +289,6 @@ impl<S: Scalar> FullFlight<S> {
         let smooth = flying.thrust.get_or_insert_with(|| self.low_pass.settled(thrust));
         flying.load.thrust = self.low_pass.step(smooth, thrust);
         flying.tick = flying.tick.wrapping_add(1);
-        flying.early = flying.early * self.early_left;
-        let e = flying.early * flying.early * S::lit(2.0 * OUTER_DT / 10.0);
-        flying.state.covariance.inflate(GUST, &V3::new(e, e, e * S::lit(0.25)));
         if flying.is_barometric {
             let walk = S::lit(BAROMETER_WALK * BAROMETER_WALK * OUTER_DT);
             let o = S::zero();
@@ -317,8 +323,9 @@ impl<S: Scalar> FullFlight<S> {
         let patience = is_inside.then_some(INSIDE_STEPS);
         let u = self.filter.model.direction(&flying.state);
         let outwards = so3::dot(&u, &flying.state.velocity);
-        if !flying.slackness.is_taut && outwards.abs() > S::lit(0.2) && flying.pull < S::lit(4.0) {
-            flying.pull = flying.pull.min(S::lit(1.5));
+        let moves = outwards.abs() > S::lit(TAUT_SPEED) && flying.pull < S::lit(WIND_PULL);
+        if !flying.slackness.is_taut && moves {
+            flying.pull = flying.pull.min(S::lit(TAUT_PULL));
         }
         self.slackness.step(&mut flying.slackness, flying.pull, patience);
         flying.load.is_taut = flying.slackness.is_taut;

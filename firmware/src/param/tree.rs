@@ -171,18 +171,6 @@ params! {
         full_altimeter_sd: "EST_ALT_SD" Real ["m"] = 0.08 in 0.01 ..= 2.0;
         /// Full state: velocity noise density; 0.15 over a moving anchor.
         full_velocity_noise: "EST_VEL_NOISE" Real ["m/s/sqrt(s)"] = 0.02 in 0.001 ..= 2.0;
-        /// Tmp.
-        tmp1: "TMP_1" Real [""] = 1.0 in 0.0 ..= 1000.0;
-        /// Tmp.
-        tmp2: "TMP_2" Real [""] = 1.0 in 0.0 ..= 1000.0;
-        /// Tmp.
-        tmp3: "TMP_3" Real [""] = 1.0 in 0.0 ..= 1000.0;
-        /// Tmp.
-        tmp4: "TMP_4" Real [""] = 1.0 in 0.0 ..= 1000.0;
-        /// Tmp.
-        tmp5: "TMP_5" Real [""] = 1.0 in 0.0 ..= 1000.0;
-        /// Tmp.
-        tmp6: "TMP_6" Real [""] = 1.0 in 0.0 ..= 1000.0;
         /// Rest before the gyro bias and the level are taken.
         levelling_time: "EST_LEVEL_T" Real ["s"] = 3.0 in 0.5 ..= 30.0;
         /// Low-passed innovation test ratio beyond which the estimate counts as diverged.

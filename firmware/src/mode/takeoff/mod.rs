@@ -20,9 +20,10 @@ use slack_hover::SlackHover;
 /// Thrust at which the ramp on the ground begins, N.
 const SPOOL_START: f64 = 3.0;
 /// Time after the ramp in which the vehicle must have left the ground, s.
-const SLIDE_DAMPING: f64 = 3.0;
-const SLIDE_LEAN: f64 = 0.2;
 const SPOOL_GRACE: f64 = 2.0;
+/// Damping of a vehicle that slides before lift-off, 1/s, and the tangent of the largest lean for it.
+const SLIDE_DAMPING: f64 = 6.0;
+const SLIDE_LEAN: f64 = 0.3;
 
 /// What moves.
 #[derive(Clone, Copy, Debug)]
