@@ -17,10 +17,11 @@ const STEPS: u16 = 250;
 /// Cosine of 8 degrees between the filter's down axis and the attitude filter's; 0.5 s.
 const TILT_COS: f64 = 0.990_268;
 const TILT_STEPS: u16 = 125;
-/// What no line and no rotor does: pull, N, and true over commanded thrust.
+/// What no line and no rotor does: pull, N, and true over commanded thrust; 0.2 s, a line that jerks may seem to.
 const PUSH: f64 = -3.0;
 const SCALE_MIN: f64 = 0.75;
 const SCALE_MAX: f64 = 1.25;
+const BROKEN_STEPS: u16 = 50;
 /// Low-passes over 1 s, per reading.
 const ACCEL_SHARE: f64 = 0.004;
 const ALTITUDE_SHARE: f64 = 0.02;
@@ -31,6 +32,7 @@ const LENGTH_SHARE: f64 = 0.016;
 pub(super) struct FullHealth<S: Scalar> {
     pub means: FilterHealth<S>,
     failed_steps: u16,
+    broken_steps: u16,
     tilted_steps: u16,
 }
 
@@ -40,6 +42,7 @@ impl<S: Scalar> Default for FullHealth<S> {
         Self {
             means: FilterHealth { accel: one, altitude: one, length: one },
             failed_steps: 0,
+            broken_steps: 0,
             tilted_steps: 0,
         }
     }
@@ -59,11 +62,12 @@ impl<S: Scalar> FullHealth<S> {
         follow(&mut self.means.length, LENGTH_SHARE, nis);
     }
 
-    /// The filter must begin anew: nothing that flies explains it. One step.
-    pub fn is_ill(&mut self, state: &FullState<S>, sit: &MahonyState<S>) -> bool {
+    /// The filter must begin anew: nothing that flies explains it. One step. While the line `jerks` the accelerometer is no
+    /// witness.
+    pub fn is_ill(&mut self, state: &FullState<S>, sit: &MahonyState<S>, jerks: bool) -> bool {
         let m = &self.means;
         let count = |bad, steps: u16| if bad { steps.saturating_add(1) } else { 0 };
-        let fails = m.accel > S::lit(ACCEL_MAX)
+        let fails = (m.accel > S::lit(ACCEL_MAX) && !jerks)
             || m.altitude > S::lit(ALTITUDE_MAX)
             || m.length > S::lit(LENGTH_MAX);
         self.failed_steps = count(fails, self.failed_steps);
@@ -71,11 +75,12 @@ impl<S: Scalar> FullHealth<S> {
         let cos = so3::dot(&down, &so3::col_z(&sit.attitude.0));
         self.tilted_steps = count(cos < S::lit(TILT_COS), self.tilted_steps);
         let scale = state.thrust_scale;
+        let breaks =
+            state.tension < S::lit(PUSH) || scale < S::lit(SCALE_MIN) || scale > S::lit(SCALE_MAX);
+        self.broken_steps = count(breaks, self.broken_steps);
         self.failed_steps > STEPS
             || self.tilted_steps > TILT_STEPS
-            || state.tension < S::lit(PUSH)
-            || scale < S::lit(SCALE_MIN)
-            || scale > S::lit(SCALE_MAX)
+            || self.broken_steps > BROKEN_STEPS
     }
 }
 

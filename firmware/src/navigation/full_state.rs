@@ -5,16 +5,17 @@
 //! [`FullFlight::feel`], [`FullFlight::locate`].
 
 use super::full_health::FullHealth;
+use super::full_slack::{Along, FixedLine, FixedLineState};
 use super::position::Found;
-use super::slackness::{Slackness, SlacknessState};
+
 use crate::estimate::full_state::{
     Densities, FullState, FullStateFilter, FullStateModel, GroundEnd, Load, POSITION, PushDetector,
-    SCALARS, Sag, StartDeviation,
+    SCALARS, Sag, StartDeviation, VELOCITY,
 };
 use crate::estimate::{Fault, MahonyState};
 use crate::frames::{V3, World};
 use crate::math::filter::{Biquad, Biquad3State, BiquadState};
-use crate::math::so3;
+use crate::math::{GRAVITY, so3};
 use crate::model::{Line, TetherKind};
 use crate::param::Params;
 use crate::scalar::Scalar;
@@ -42,16 +43,10 @@ const SLACK_VELOCITY_SD: f64 = 1.2;
 const SLACK_TENSION_SD: f64 = 0.5;
 const SLACK_LENGTH_SD: f64 = 0.3;
 const BEYOND: f64 = 0.1;
-/// Within this share of a fixed length, no pull is expected; one that lasts so many steps counts all the same.
-const INSIDE: f64 = 0.85;
-const INSIDE_STEPS: u16 = 75;
-/// Share of a new sample of the pull.
-const PULL_SHARE: f64 = 0.06;
-/// A taut line of fixed length does not let the vehicle move along it. While it does, faster than this, m/s, the wind may
-/// be what pulls, up to so many N: then no more than this is felt of the line, N, too little to call it taut.
-const TAUT_SPEED: f64 = 0.2;
-const WIND_PULL: f64 = 4.0;
-const TAUT_PULL: f64 = 1.5;
+/// No cable pushes: an estimate below this, N, is wrong.
+const PUSH: f64 = -0.5;
+/// What a line that becomes slack leaves unknown: place, m, and velocity, m/s.
+const RELEASE_SD: f64 = 0.2;
 /// At lift-off, levelled and integrated from standing: place, m, velocity, m/s, tilt, rad.
 const START_PLACE_SD: f64 = 0.25;
 const START_VELOCITY_SD: f64 = 0.3;
@@ -80,10 +75,9 @@ pub(super) struct FullFlight<S: Scalar> {
     restart: StartDeviation<S>,
     /// Of accelerometer and thrust alike: what rotors shake looks like a pull that moves.
     low_pass: Biquad<S>,
-    slackness: Slackness<S>,
     altimeter_sd: S,
-    /// m; `None` with a winch.
-    fixed_length: Option<S>,
+    /// `None` with a winch.
+    fixed_line: Option<FixedLine<S>>,
     fixed_sd: S,
     start_tension: S,
 }
@@ -92,7 +86,7 @@ pub(super) struct FullFlight<S: Scalar> {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct FullFlightState<S: Scalar> {
     pub state: FullState<S>,
-    pub slackness: SlacknessState,
+    line: FixedLineState<S>,
     pub health: FullHealth<S>,
     /// Since lift-off.
     pub restarts: u16,
@@ -101,8 +95,6 @@ pub(super) struct FullFlightState<S: Scalar> {
     push: PushDetector<S>,
     accel: Biquad3State<S>,
     thrust: Option<BiquadState<S>>,
-    /// Low-passed, N.
-    pull: S,
     altitude: Option<Height<S>>,
     /// The height comes from the barometer.
     is_barometric: bool,
@@ -201,9 +193,8 @@ impl<S: Scalar> FullFlight<S> {
                 ..standard
             },
             low_pass: Biquad::low_pass(p.full_cutoff, 1.0 / OUTER_DT as f32),
-            slackness: Slackness::new(p, false),
             altimeter_sd: f(p.full_altimeter_sd),
-            fixed_length: (!kind.has_winch()).then(|| f(p.tether_length)),
+            fixed_line: (!kind.has_winch()).then(|| FixedLine::new(p)),
             fixed_sd: S::lit(fixed_sd),
             start_tension: f(p.tension_low),
         })
@@ -216,28 +207,27 @@ impl<S: Scalar> FullFlight<S> {
         velocity: &World<V3<S>>,
         sit: &MahonyState<S>,
     ) -> FullFlightState<S> {
-        let tension = if self.fixed_length.is_some() { S::zero() } else { self.start_tension };
+        let tension = if self.fixed_line.is_some() { S::zero() } else { self.start_tension };
         let bias = sit.gyro_bias.0;
         let state = FullState::at_rest(place.0, sit.attitude, tension, bias, &self.start);
         let state = FullState { velocity: velocity.0, ..state };
-        let is_winch = self.fixed_length.is_none();
-        let slackness = if is_winch { SlacknessState::default() } else { SlacknessState::SLACK };
-        let length_out = self.fixed_length.unwrap_or(self.filter.model.distance(&state));
+        let line = self.fixed_line.as_ref().map_or_else(FixedLineState::taut, FixedLine::start);
+        let distance = self.filter.model.distance(&state);
+        let length_out = self.fixed_line.as_ref().map_or(distance, |line| line.length);
         FullFlightState {
             state,
-            slackness,
+            line,
             health: FullHealth::default(),
             restarts: 0,
             is_touching: false,
             push: PushDetector::default(),
             accel: Biquad3State::default(),
             thrust: None,
-            pull: tension,
             altitude: None,
             is_barometric: false,
             payout: None,
             heat: S::zero(),
-            load: Load { thrust: S::zero(), is_taut: slackness.is_taut, length_out },
+            load: Load { thrust: S::zero(), is_taut: line.slackness.is_taut, length_out },
             reading: V3::zeros(),
             tick: 0,
             has_failed: false,
@@ -253,7 +243,7 @@ impl<S: Scalar> FullFlight<S> {
         flying.state = FullState { velocity: known.velocity, ..state };
         flying.health = FullHealth::default();
         flying.push = PushDetector::default();
-        flying.pull = tension;
+        flying.line.drift = S::zero();
         flying.has_failed = false;
         flying.restarts = flying.restarts.saturating_add(1);
         flying.heat += S::one();
@@ -299,55 +289,77 @@ impl<S: Scalar> FullFlight<S> {
     }
 
     /// Second part: the accelerometer, and whether the line pulls.
-    pub fn feel(&self, flying: &mut FullFlightState<S>, intent: &Intent<S>) {
-        let done = self.try_feel(flying, intent);
+    pub fn feel(&self, flying: &mut FullFlightState<S>, intent: &Intent<S>, sit: &MahonyState<S>) {
+        let done = self.try_feel(flying, intent, sit);
         flying.has_failed |= done.is_err();
     }
 
-    fn try_feel(&self, flying: &mut FullFlightState<S>, intent: &Intent<S>) -> Result<(), Fault> {
+    fn try_feel(
+        &self,
+        flying: &mut FullFlightState<S>,
+        intent: &Intent<S>,
+        sit: &MahonyState<S>,
+    ) -> Result<(), Fault> {
         let FullFlightState { state, load, .. } = flying;
         let nis = self.filter.accelerometer(state, &flying.reading, load)?;
         flying.health.feel(nis);
         self.filter.boost(state, &mut flying.push, nis);
-        let Some(length) = self.fixed_length else {
+        let Some(line) = &self.fixed_line else {
             if flying.tick.is_multiple_of(2) {
                 let out = load.length_out;
                 self.filter.ground_tension(state, intent.tension, out, S::lit(WINCH_SD))?;
             }
             return Ok(());
         };
-        let distance = self.filter.model.distance(state);
-        let is_inside = distance < length * S::lit(INSIDE);
-        let sample = if is_inside { self.pull_felt(flying) } else { flying.state.tension };
-        flying.pull += (sample - flying.pull) * S::lit(PULL_SHARE);
-        let patience = is_inside.then_some(INSIDE_STEPS);
-        let u = self.filter.model.direction(&flying.state);
-        let outwards = so3::dot(&u, &flying.state.velocity);
-        let moves = outwards.abs() > S::lit(TAUT_SPEED) && flying.pull < S::lit(WIND_PULL);
-        if !flying.slackness.is_taut && moves {
-            flying.pull = flying.pull.min(S::lit(TAUT_PULL));
+        let along = self.along(flying, sit);
+        if line.step(&mut flying.line, &along) {
+            self.release(flying, &along);
         }
-        self.slackness.step(&mut flying.slackness, flying.pull, patience);
-        flying.load.is_taut = flying.slackness.is_taut;
+        flying.load.is_taut = flying.line.slackness.is_taut;
         if !flying.load.is_taut {
             let state = &mut flying.state;
-            if is_inside {
+            if line.is_inside(along.distance) || along.tension < S::lit(PUSH) {
                 self.filter.chord_tension(state, S::zero(), S::lit(SLACK_TENSION_SD))?;
             }
-            if distance > length + S::lit(BEYOND) {
-                self.filter.distance(state, length, S::lit(SLACK_LENGTH_SD))?;
+            if along.distance > line.length + S::lit(BEYOND) {
+                self.filter.distance(state, line.length, S::lit(SLACK_LENGTH_SD))?;
             }
         }
         Ok(())
     }
 
-    /// What is left of the specific force towards the anchor without thrust and wind, N.
-    fn pull_felt(&self, flying: &FullFlightState<S>) -> S {
-        let state = &flying.state;
-        let mut own = (flying.reading - state.accel_bias) * self.filter.model.mass;
-        own.z += state.thrust_scale * flying.load.thrust;
-        let felt = state.attitude.0 * own - state.wind * self.filter.model.mass;
-        -so3::dot(&self.filter.model.direction(state), &felt)
+    /// What the filter and the accelerometer say along the line.
+    fn along(&self, flying: &FullFlightState<S>, sit: &MahonyState<S>) -> Along<S> {
+        let (model, state) = (&self.filter.model, &flying.state);
+        let (u, distance) = (model.direction(state), model.distance(state));
+        let own = flying.reading - state.accel_bias;
+        let force = state.attitude.0 * own;
+        let lift = so3::col_z(&state.attitude.0) * (state.thrust_scale * flying.load.thrust);
+        let felt = force * model.mass + lift;
+        let speed = so3::dot(&u, &state.velocity);
+        let across = so3::dot(&state.velocity, &state.velocity) - speed * speed;
+        Along {
+            distance,
+            speed,
+            accel: so3::dot(&u, &(sit.attitude.0 * own))
+                + u.z * S::lit(GRAVITY)
+                + across / distance,
+            tension: state.tension,
+            felt: -so3::dot(&u, &felt),
+            wind: -so3::dot(&u, &state.wind) * model.mass,
+        }
+    }
+
+    /// The line has become slack: its pull was the wind's, and the speed along it is what the accelerometer shows.
+    fn release(&self, flying: &mut FullFlightState<S>, along: &Along<S>) {
+        let u = self.filter.model.direction(&flying.state);
+        let state = &mut flying.state;
+        state.wind -= u * (state.tension / self.filter.model.mass);
+        state.tension = S::zero();
+        state.velocity += u * (flying.line.drift - along.speed);
+        let unknown = V3::repeat(S::lit(RELEASE_SD * RELEASE_SD));
+        state.covariance.inflate(POSITION, &unknown);
+        state.covariance.inflate(VELOCITY, &unknown);
     }
 
     /// Last part: height and length. Whether the filter must begin anew; not `is_clear` of the ground, whose push is in no
@@ -363,9 +375,10 @@ impl<S: Scalar> FullFlight<S> {
         flying.heat = (flying.heat - S::lit(OUTER_DT / HEAT_TIME)).max(S::zero());
         let done = self.try_locate(flying, altitude, intent);
         let has_failed = flying.has_failed || done.is_err();
+        let jerks = !flying.line.is_settled();
         // The covariance is looked through where there is an altitude: fifty times a second.
         let is_sound = altitude.is_none() || flying.state.is_sound(self.filter.used());
-        has_failed || !is_sound || (flying.health.is_ill(&flying.state, sit) && is_clear)
+        has_failed || !is_sound || (flying.health.is_ill(&flying.state, sit, jerks) && is_clear)
     }
 
     fn try_locate(
@@ -388,8 +401,9 @@ impl<S: Scalar> FullFlight<S> {
             let nis = self.filter.altimeter(state, altitude.value, self.altimeter_sd)?;
             flying.health.altimeter(nis);
         }
-        match (self.fixed_length, &mut flying.payout) {
-            (Some(length), _) if flying.load.is_taut => {
+        match (&self.fixed_line, &mut flying.payout) {
+            (Some(line), _) if flying.load.is_taut => {
+                let length = line.length;
                 // Each row's turn comes at every fourth step: half as often as the variances are meant for.
                 let half = S::lit(core::f64::consts::FRAC_1_SQRT_2);
                 let yields = self.filter.model.chord(state, length, GroundEnd::Fixed).softness;
@@ -430,7 +444,7 @@ impl<S: Scalar> FullFlight<S> {
             position: World(state.position),
             velocity: World(state.velocity),
             middle_tension: state.tension,
-            is_taut: flying.slackness.is_taut,
+            is_taut: flying.line.slackness.is_taut,
             sd: position_sd(state),
             air_force: World(state.air_force() - state.velocity * self.filter.model.drag),
             health: flying.health.means,

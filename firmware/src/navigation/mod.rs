@@ -7,6 +7,7 @@ mod alignment;
 mod decimator;
 mod divergence;
 mod full_health;
+mod full_slack;
 mod full_state;
 mod lift_off;
 mod position;

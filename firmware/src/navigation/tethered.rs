@@ -167,7 +167,7 @@ impl<S: Scalar> Tethered<S> {
         }
         match stage {
             Stage::Predict => config.predict(full, z.imu, z.thrust),
-            Stage::Feel => config.feel(full, z.intent),
+            Stage::Feel => config.feel(full, z.intent, z.sit),
             Stage::Locate => {
                 let has_altitude = full.has_altitude();
                 if config.locate(full, z.intent, z.sit, z.is_clear) {

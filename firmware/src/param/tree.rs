@@ -120,7 +120,7 @@ params! {
         /// Length of a fixed tether; with a winch, length paid out after take-off.
         tether_length: "TET_LENGTH" Real ["m"] = 10.0 in 1.0 ..= 200.0;
         /// Tension set-point in flight.
-        tension: "TET_TENSION" Real ["N"] = 5.0 in 1.0 ..= 100.0;
+        tension: "TET_TENSION" Real ["N"] = 6.5 in 1.0 ..= 100.0;
         /// Winch tension on the ground, during take-off near the anchor and at landing.
         tension_low: "TET_TENSION_LOW" Real ["N"] = 3.0 in 0.5 ..= 100.0;
         /// Distance of the vehicle from the anchor before take-off with a winch, along its nose.
@@ -162,7 +162,7 @@ params! {
         /// Velocity: gain towards the position estimate.
         velocity_gain: "VEL_K_POS" Real ["1/s"] = 2.5 in 0.1 ..= 20.0;
         /// Position filter on a cable: 0 = four states behind the attitude filter, 1 = full state.
-        estimator_kind: "EST_KIND" Int [""] = 0.0 in 0.0 ..= 1.0;
+        estimator_kind: "EST_KIND" Int [""] = 1.0 in 0.0 ..= 1.0;
         /// Full state: low-pass of accelerometer and thrust (Butterworth, 2nd order); 0 = off.
         full_cutoff: "EST_CUTOFF" Real ["Hz"] = 30.0 in 0.0 ..= 100.0;
         /// Full state: accelerometer noise behind the low-pass, standard deviation.
