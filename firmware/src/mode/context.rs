@@ -7,7 +7,7 @@ use crate::config::Config;
 use crate::control::{AttitudeCommand, DitherState, RadialControl};
 use crate::estimate::taut::TautEstimatorState;
 use crate::frames::{Body, V3, World};
-use crate::math::wrap_pi;
+use crate::math::{so3, wrap_pi};
 use crate::navigation::NavigationState;
 use crate::param::Params;
 use crate::scalar::Scalar;
@@ -190,4 +190,12 @@ impl<S: Scalar> Context<'_, S> {
         let wave = self.config.dither.wave(&self.situation.dither);
         wave * amplitude * share.limit(S::zero(), S::one())
     }
+}
+
+/// A thrust of `up` N that pushes to the level part of `side` too, N, leaning by no more than this tangent.
+pub(super) fn leaning<S: Scalar>(up: S, side: &V3<S>, most: S) -> V3<S> {
+    let level = V3::new(side.x, side.y, S::zero());
+    let limit = up * most;
+    let share = (limit / so3::norm(&level).max(limit)).min(S::one());
+    level * share - V3::new(S::zero(), S::zero(), up)
 }

@@ -1,5 +1,6 @@
 //! Descent: level and sinking, by altimeter and inertia. Uses neither position nor tether.
 
+use super::context::leaning;
 use super::{Context, Entry, Exit, FlightMode, Handover, Refusal, Setpoints};
 use crate::frames::V3;
 use crate::scalar::Scalar;
@@ -8,6 +9,8 @@ use crate::time::OUTER_DT;
 
 /// Below this height over the ground it sinks at the landing speed, m.
 const SLOW_BELOW: f64 = 1.0;
+/// Tangent of the largest lean against a drift.
+const BRAKE_LEAN: f64 = 0.35;
 /// The vertical share of the thrust counts, within the tilt that divides well.
 pub(super) const COS_TILT_MIN: f64 = 0.5;
 
@@ -59,7 +62,11 @@ pub(super) fn fly_level<S: Scalar>(
     }
     let estimate = &cx.situation.estimate;
     let up = cx.config.climb.step(&mut handover.climb, climb, estimate.climb, S::lit(OUTER_DT));
-    let mut attitude = cx.thrust(V3::new(S::zero(), S::zero(), -up), handover.heading);
+    // Nothing holds it any more, nor what it had to pull against: the way off is the estimate's last knowledge.
+    let drift = estimate.velocity.filter(|_| estimate.tether_is_gone);
+    let side = drift.map_or(V3::zeros(), |velocity| velocity.0 * -cx.config.constants.mass);
+    let force = leaning(up, &side, S::lit(BRAKE_LEAN));
+    let mut attitude = cx.thrust(force, handover.heading);
     attitude.thrust = up / estimate.attitude.cos_tilt().max(S::lit(COS_TILT_MIN));
     Setpoints { attitude, ..unchanged }
 }

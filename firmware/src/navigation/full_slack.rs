@@ -18,12 +18,14 @@ const PULL_SHARE: f64 = 0.06;
 const MOVES: f64 = 0.2;
 const WIND_PULL: f64 = 4.0;
 const TAUT_PULL: f64 = 1.5;
-/// The inertial speed along the line forgets in this time, s; beyond this, m/s, inwards, the line is slack.
+/// The inertial speed along the line forgets in this time, s; beyond this, m/s, inwards the line is slack, outwards gone.
 const DRIFT_TIME: f64 = 1.0;
 const DRIFT_MAX: f64 = 0.25;
 /// What is felt may be the line's pull: the more, the faster it must be, m/s/N.
 const DRIFT_BY_PULL: f64 = 0.15;
 
+/// Outwards from where a line of full length became slack, m: it must have caught the vehicle by then.
+const WAY_MAX: f64 = 0.6;
 /// A line that became taut or slack jerks for so many steps: 1.5 s.
 const SETTLED: u16 = 375;
 
@@ -33,7 +35,7 @@ pub(super) struct FixedLine<S: Scalar> {
     slackness: Slackness<S>,
     /// m.
     pub length: S,
-    /// Inwards, m/s.
+    /// m/s.
     drift_max: S,
     drift_left: S,
 }
@@ -47,6 +49,8 @@ pub(super) struct FixedLineState<S> {
     felt: S,
     /// Outwards, integrated from the accelerometer, m/s.
     pub drift: S,
+    /// Since it became slack, m, outwards.
+    way: S,
     /// Since it last became taut or slack.
     steps: u16,
 }
@@ -71,7 +75,12 @@ impl<S: Scalar> FixedLineState<S> {
     pub fn taut() -> Self {
         let slackness = SlacknessState::default();
         let o = S::zero();
-        Self { slackness, pull: o, felt: o, drift: o, steps: SETTLED }
+        Self { slackness, pull: o, felt: o, drift: o, way: o, steps: SETTLED }
+    }
+
+    /// It has moved outwards by more than the line lets it.
+    pub fn is_beyond(&self) -> bool {
+        self.way > S::lit(WAY_MAX)
     }
 
     /// It has not become taut or slack lately.
@@ -106,6 +115,7 @@ impl<S: Scalar> FixedLine<S> {
     /// One step; true when the line has become slack.
     pub fn step(&self, state: &mut FixedLineState<S>, along: &Along<S>) -> bool {
         let was_taut = state.slackness.is_taut;
+        state.way = if was_taut { S::zero() } else { state.way + state.drift * S::lit(OUTER_DT) };
         self.judge(state, along);
         let is_taut = state.slackness.is_taut;
         state.steps = if is_taut == was_taut { state.steps.saturating_add(1) } else { 0 };
@@ -124,8 +134,7 @@ impl<S: Scalar> FixedLine<S> {
         state.drift = (state.drift + along.accel * S::lit(OUTER_DT)) * self.drift_left;
         if state.slackness.is_taut {
             let most = self.drift_max + state.felt.max(S::zero()) * S::lit(DRIFT_BY_PULL);
-            let falls_in = state.drift < -most;
-            if falls_in {
+            if state.drift.abs() > most {
                 state.slackness = SlacknessState::SLACK;
             } else {
                 self.slackness.step(&mut state.slackness, state.pull, None);

@@ -4,9 +4,11 @@
 //! A step is spread over the milliseconds between two means of the inertial samples: [`FullFlight::predict`],
 //! [`FullFlight::feel`], [`FullFlight::locate`].
 
+use super::answer::Answer;
 use super::full_health::FullHealth;
 use super::full_slack::{Along, FixedLine, FixedLineState};
 use super::position::Found;
+use super::slackness::SlacknessState;
 
 use crate::estimate::full_state::{
     Densities, FullState, FullStateFilter, FullStateModel, GroundEnd, Load, POSITION, PushDetector,
@@ -92,6 +94,9 @@ pub(super) struct FullFlightState<S: Scalar> {
     pub restarts: u16,
     /// The feet touch: the state stands still.
     pub is_touching: bool,
+    answer: Answer<S>,
+    /// The line does not hold the vehicle any more.
+    is_gone: bool,
     push: PushDetector<S>,
     accel: Biquad3State<S>,
     thrust: Option<BiquadState<S>>,
@@ -133,6 +138,8 @@ struct Payout<S> {
 pub struct Intent<S: Scalar> {
     /// Of the winch, N.
     pub tension: S,
+    /// By which the tension is moved now, N.
+    pub dither: S,
     /// Of the reference, m/s.
     pub velocity: World<V3<S>>,
 }
@@ -220,6 +227,8 @@ impl<S: Scalar> FullFlight<S> {
             health: FullHealth::default(),
             restarts: 0,
             is_touching: false,
+            answer: Answer::new(),
+            is_gone: false,
             push: PushDetector::default(),
             accel: Biquad3State::default(),
             thrust: None,
@@ -243,6 +252,7 @@ impl<S: Scalar> FullFlight<S> {
         flying.state = FullState { velocity: known.velocity, ..state };
         flying.health = FullHealth::default();
         flying.push = PushDetector::default();
+        flying.answer = Answer::new();
         flying.line.drift = S::zero();
         flying.has_failed = false;
         flying.restarts = flying.restarts.saturating_add(1);
@@ -304,25 +314,40 @@ impl<S: Scalar> FullFlight<S> {
         let nis = self.filter.accelerometer(state, &flying.reading, load)?;
         flying.health.feel(nis);
         self.filter.boost(state, &mut flying.push, nis);
-        let Some(line) = &self.fixed_line else {
-            if flying.tick.is_multiple_of(2) {
+        let along = self.along(flying, sit);
+        // A line that hangs in a curve yields before it answers; a fixed one is moved by the vehicle, as far as it can.
+        let is_sure = self.filter.model.sag == Sag::None && self.fixed_line.is_none();
+        let is_silent = flying.answer.step(intent.dither, along.felt) && is_sure;
+        if is_silent {
+            flying.is_gone = true;
+            flying.answer = Answer::new();
+            flying.line.slackness = SlacknessState::SLACK;
+        }
+        if let Some(line) = &self.fixed_line
+            && line.step(&mut flying.line, &along)
+        {
+            self.release(flying, &along);
+        }
+        flying.is_gone |= flying.line.is_beyond();
+        flying.load.is_taut = flying.line.slackness.is_taut;
+        let FullFlightState { state, load, tick, .. } = flying;
+        match &self.fixed_line {
+            Some(_) if load.is_taut => {}
+            Some(line) => {
+                if line.is_inside(along.distance) || along.tension < S::lit(PUSH) {
+                    self.filter.chord_tension(state, S::zero(), S::lit(SLACK_TENSION_SD))?;
+                }
+                if along.distance > line.length + S::lit(BEYOND) && !flying.is_gone {
+                    self.filter.distance(state, line.length, S::lit(SLACK_LENGTH_SD))?;
+                }
+            }
+            None if !tick.is_multiple_of(2) => {}
+            None if load.is_taut => {
                 let out = load.length_out;
                 self.filter.ground_tension(state, intent.tension, out, S::lit(WINCH_SD))?;
             }
-            return Ok(());
-        };
-        let along = self.along(flying, sit);
-        if line.step(&mut flying.line, &along) {
-            self.release(flying, &along);
-        }
-        flying.load.is_taut = flying.line.slackness.is_taut;
-        if !flying.load.is_taut {
-            let state = &mut flying.state;
-            if line.is_inside(along.distance) || along.tension < S::lit(PUSH) {
+            None => {
                 self.filter.chord_tension(state, S::zero(), S::lit(SLACK_TENSION_SD))?;
-            }
-            if along.distance > line.length + S::lit(BEYOND) {
-                self.filter.distance(state, line.length, S::lit(SLACK_LENGTH_SD))?;
             }
         }
         Ok(())
@@ -378,7 +403,9 @@ impl<S: Scalar> FullFlight<S> {
         let jerks = !flying.line.is_settled();
         // The covariance is looked through where there is an altitude: fifty times a second.
         let is_sound = altitude.is_none() || flying.state.is_sound(self.filter.used());
-        has_failed || !is_sound || (flying.health.is_ill(&flying.state, sit, jerks) && is_clear)
+        let is_ill = flying.health.is_ill(&flying.state, sit, jerks) && is_clear;
+        // After so many restarts another one does not help.
+        has_failed || !is_sound || (is_ill && flying.heat <= S::lit(HEAT_MAX))
     }
 
     fn try_locate(
@@ -389,7 +416,7 @@ impl<S: Scalar> FullFlight<S> {
     ) -> Result<(), Fault> {
         let state = &mut flying.state;
         if let Some(altitude) = altitude {
-            if !flying.load.is_taut {
+            if !flying.load.is_taut && !flying.is_gone {
                 let wanted = intent.velocity.0;
                 let sd = S::lit(SLACK_VELOCITY_SD);
                 self.filter.level_velocity(state, [wanted.x, wanted.y], sd)?;
@@ -420,7 +447,7 @@ impl<S: Scalar> FullFlight<S> {
                     _ => {}
                 }
             }
-            (None, Some(payout)) if payout.is_new => {
+            (None, Some(payout)) if payout.is_new && flying.load.is_taut => {
                 payout.is_new = false;
                 let length = payout.last.value;
                 flying.load.length_out = length;
@@ -445,6 +472,7 @@ impl<S: Scalar> FullFlight<S> {
             velocity: World(state.velocity),
             middle_tension: state.tension,
             is_taut: flying.line.slackness.is_taut,
+            is_gone: flying.is_gone,
             sd: position_sd(state),
             air_force: World(state.air_force() - state.velocity * self.filter.model.drag),
             health: flying.health.means,

@@ -4,6 +4,7 @@
 //! [`Estimate`] out; the filters themselves stand in [`crate::estimate`].
 
 mod alignment;
+mod answer;
 mod decimator;
 mod divergence;
 mod full_health;
@@ -258,6 +259,7 @@ impl<S: Scalar> Navigation<S> {
             position_sd: V3::zeros(),
             air_force: World(V3::zeros()),
             restarts: 0,
+            tether_is_gone: false,
             source: PositionSource::None,
             thrust: state.last_thrust,
             health: FilterHealth::default(),

@@ -61,6 +61,7 @@ pub(super) struct Found<S: Scalar> {
     /// Of the line's middle, N.
     pub middle_tension: S,
     pub is_taut: bool,
+    pub is_gone: bool,
     pub sd: V3<S>,
     /// Over mass, m/s².
     pub air_force: World<V3<S>>,
@@ -78,6 +79,7 @@ impl<S: Scalar> Found<S> {
             velocity: World(V3::zeros()),
             middle_tension: S::zero(),
             is_taut: true,
+            is_gone: false,
             sd: V3::repeat(S::lit(PLACE_SD)),
             air_force: World(V3::zeros()),
             health: FilterHealth::default(),
@@ -235,6 +237,7 @@ impl<S: Scalar> PositionFilter<S> {
             position_sd: found.sd,
             air_force: found.air_force,
             restarts: found.restarts,
+            tether_is_gone: found.is_gone,
             source: if known { found.source } else { PositionSource::None },
             has_diverged: found.has_diverged,
             health: found.health,

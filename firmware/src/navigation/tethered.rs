@@ -203,6 +203,7 @@ impl<S: Scalar> Tethered<S> {
             velocity: state.velocity.velocity,
             middle_tension: state.ekf.tension(),
             is_taut: state.slackness.is_taut,
+            is_gone: false,
             sd: V3::new(c.m11.sqrt(), c.m22.sqrt(), c.m33.sqrt()),
             health: state.divergence.health,
             has_diverged,

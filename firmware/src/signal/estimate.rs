@@ -67,6 +67,8 @@ pub struct Estimate<S: Scalar = f32> {
     pub position_sd: V3<S>,
     /// Force of the air over mass, m/s²; zero where nobody estimates it.
     pub air_force: World<V3<S>>,
+    /// The line that should hold the vehicle does not.
+    pub tether_is_gone: bool,
     /// How often the position filter began anew in this flight.
     pub restarts: u16,
     /// Who says where the vehicle is.

@@ -37,6 +37,8 @@ pub enum Failure {
     ModeFailed = 12,
     /// Full thrust, and still on the ground.
     NoLiftOff = 13,
+    /// What held the vehicle does so no more: a cut cable.
+    TetherGone = 14,
 }
 
 /// Where a failure ends. Ordered by severity.
@@ -89,6 +91,8 @@ pub struct FailsafeFacts {
     pub altitude_is_fresh: bool,
     /// The estimator sees tension.
     pub is_taut: bool,
+    /// It has been missed.
+    pub is_gone: bool,
     /// Motion capture gives a position, or none is needed.
     pub has_capture: bool,
     /// The ground end reports, or the length is fixed.
@@ -140,7 +144,7 @@ fn concerns(mode: Mode, need: impl Fn(&Needs) -> bool) -> bool {
 }
 
 /// All failures, ordered as [`Failure`].
-pub const FAILSAFES: [Failsafe; 14] = [
+pub const FAILSAFES: [Failsafe; 15] = [
     Failsafe {
         failure: Failure::ImuLost,
         text: "IMU lost: motors off",
@@ -172,9 +176,16 @@ pub const FAILSAFES: [Failsafe; 14] = [
         action: |_| FailsafeAction::Descend,
     },
     Failsafe {
+        failure: Failure::TetherGone,
+        text: "Tether gone: descending",
+        is_present: |_, f| f.is_gone && concerns(f.mode, |needs| needs.taut),
+        delay: |_| 0,
+        action: |_| FailsafeAction::Descend,
+    },
+    Failsafe {
         failure: Failure::TetherSlack,
         text: "Tether slack: descending",
-        is_present: |_, f| !f.is_taut && concerns(f.mode, |needs| needs.taut),
+        is_present: |_, f| !f.is_taut && !f.is_gone && concerns(f.mode, |needs| needs.taut),
         delay: |c| c.slack_delay_us,
         action: |_| FailsafeAction::Descend,
     },
@@ -398,6 +409,7 @@ mod tests {
             has_diverged: false,
             altitude_is_fresh: true,
             is_taut: true,
+            is_gone: false,
             has_capture: true,
             tether_is_known: true,
             cell: Some(3.9),

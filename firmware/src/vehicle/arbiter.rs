@@ -71,6 +71,7 @@ impl<S: Scalar> Vehicle<S> {
             has_diverged: estimate.has_diverged,
             altitude_is_fresh: cx.sensors.altitude_is_fresh,
             is_taut: self.link_is_taut(cx),
+            is_gone: estimate.tether_is_gone,
             has_capture: !self.config.constants.kind.is_free() || estimate.position.is_some(),
             tether_is_known: self.tether_is_known(cx.sensors),
             cell: cx.sensors.battery.map(|battery| battery.cell.to_f32()),

@@ -311,6 +311,7 @@ impl<S: Scalar> Vehicle<S> {
         let reference = situation.setpoints.reference;
         let intent = Intent {
             tension: self.state.actuation.winch.tension,
+            dither: situation.setpoints.dither,
             velocity: reference.map_or(World(V3::zeros()), |reference| reference.velocity),
         };
         let navigation = &self.config.navigation;

@@ -4,13 +4,13 @@ mod slack_hover;
 
 pub(crate) use slack_hover::SlackHoverPlan;
 
+use super::context::leaning;
 use super::{
     Context, Entry, Exit, FlightMode, Handover, Notice, Refusal, Setpoints, denied, feasible, plan,
     rejected,
 };
 use crate::control::{PositionState, RadialControl};
 use crate::frames::{V3, World};
-use crate::math::so3;
 use crate::scalar::Scalar;
 use crate::signal::SphericalPoint;
 use crate::supervisor::{Failure, GroundState};
@@ -134,11 +134,9 @@ impl<S: Scalar> Takeoff<S> {
         let start = S::lit(SPOOL_START).min(weight * S::lit(0.5));
         let thrust = start + (full - start) * (self.spool / time).min(S::one());
         // Light on its feet it slides in the wind: lean against that.
-        let lean =
-            situation.navigation.sliding().0 * (-S::lit(SLIDE_DAMPING) * cx.config.constants.mass);
-        let most = thrust * S::lit(SLIDE_LEAN);
-        let share = (most / so3::norm(&lean).max(most)).min(S::one());
-        let force = lean * share - V3::new(S::zero(), S::zero(), thrust);
+        let damping = -S::lit(SLIDE_DAMPING) * cx.config.constants.mass;
+        let side = situation.navigation.sliding().0 * damping;
+        let force = leaning(thrust, &side, S::lit(SLIDE_LEAN));
         let attitude = cx.thrust(force, handover.heading);
         Ok(Setpoints { attitude, ground, ..cx.unchanged(tension) })
     }

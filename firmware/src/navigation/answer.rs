@@ -1,0 +1,77 @@
+//! Does the line answer? What is felt along it must follow the tension that is moved to and fro: a slope of one, whatever
+//! the wind. A line that was cut, or never was there, has none.
+
+use crate::math::filter::decay;
+use crate::scalar::Scalar;
+use crate::time::OUTER_DT;
+
+/// The moments forget in this time, s.
+const TIME: f64 = 1.0;
+/// Slope below which it does not answer, and how many steps of it make it gone: 0.4 s.
+const SLOPE_MIN: f64 = 0.3;
+const STEPS: u16 = 100;
+/// Variance of the movement that is needed to tell, N².
+const MOVED: f64 = 0.5;
+
+/// Low-passed moments of movement and pull.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Answer<S> {
+    moved: S,
+    felt: S,
+    product: S,
+    square: S,
+    steps: u16,
+}
+
+impl<S: Scalar> Answer<S> {
+    /// Nothing known.
+    pub fn new() -> Self {
+        let o = S::zero();
+        Self { moved: o, felt: o, product: o, square: o, steps: 0 }
+    }
+
+    /// One step with what the tension was moved by and what was felt, N; true when the line is gone.
+    pub fn step(&mut self, moved: S, felt: S) -> bool {
+        let share = S::one() - decay::<S>(TIME, OUTER_DT);
+        let follow = |mean: &mut S, sample: S| *mean += (sample - *mean) * share;
+        follow(&mut self.moved, moved);
+        follow(&mut self.felt, felt);
+        follow(&mut self.product, moved * felt);
+        follow(&mut self.square, moved * moved);
+        let variance = self.square - self.moved * self.moved;
+        let covariance = self.product - self.moved * self.felt;
+        let is_silent = variance > S::lit(MOVED) && covariance < variance * S::lit(SLOPE_MIN);
+        self.steps = if is_silent { self.steps.saturating_add(1) } else { 0 };
+        self.steps > STEPS
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Seconds until a line is called gone, that answers with `slope` until `cut` s; wind swings by `wind` N.
+    fn gone_after(slope: f64, cut: f64, wind: f64) -> Option<f64> {
+        let mut answer = Answer::<f64>::new();
+        (0..15_000).map(|step| f64::from(step) * OUTER_DT).find(|t| {
+            let moved = 2.5 * (core::f64::consts::TAU / 1.5 * t).sin().signum();
+            let pull = if *t < cut { 6.5 + slope * moved } else { 0.0 };
+            answer.step(moved, pull + wind * (0.9 * t).sin())
+        })
+    }
+
+    #[test]
+    fn a_line_that_answers_is_there_in_any_wind() {
+        for wind in [0.0, 2.0, 4.0] {
+            assert_eq!(gone_after(0.8, 100.0, wind), None);
+        }
+    }
+
+    #[test]
+    fn a_line_that_is_cut_is_missed_within_two_seconds() {
+        for cut in [20.0, 20.4, 20.8, 21.2] {
+            let told = gone_after(1.0, cut, 1.0).unwrap();
+            assert!(told > cut && told < cut + 2.0, "{cut} {told}");
+        }
+    }
+}
