@@ -81,7 +81,7 @@ pub const IMAGES: [Image; 5] = [
         flight: "FDCAN1_IT0",
         chip: "STM32H743VI",
         flash: 384 * KIB,
-        ram: 64 * KIB,
+        ram: 80 * KIB,
     },
     Image {
         name: "emulated-f405",

@@ -6,6 +6,7 @@ use super::setpoints::Setpoints;
 use crate::config::Config;
 use crate::control::{AttitudeCommand, DitherState, RadialControl};
 use crate::estimate::taut::TautEstimatorState;
+use crate::feature;
 use crate::frames::{Body, V3, World};
 use crate::math::{so3, wrap_pi};
 use crate::navigation::NavigationState;
@@ -162,7 +163,8 @@ impl<S: Scalar> Context<'_, S> {
         let Some(tether) = estimate.tether.filter(|tether| tether.is_taut) else {
             return S::zero();
         };
-        if estimate.source != PositionSource::FullState {
+        let is_built = feature::FullState::<()>::IS_BUILT;
+        if !is_built || estimate.source != PositionSource::FullState {
             return S::zero();
         }
         let floor = match constants.radial_control {

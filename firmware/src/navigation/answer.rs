@@ -1,12 +1,11 @@
 //! Does the line answer? What is felt along it must follow the tension that is moved to and fro: a slope of one, whatever
 //! the wind. A line that was cut, or never was there, has none.
 
-use crate::math::filter::decay;
 use crate::scalar::Scalar;
 use crate::time::OUTER_DT;
 
-/// The moments forget in this time, s.
-const TIME: f64 = 1.0;
+/// The moments forget in 1 s.
+const SHARE: f64 = OUTER_DT;
 /// Slope below which it does not answer, and how many steps of it make it gone: 0.4 s.
 const SLOPE_MIN: f64 = 0.3;
 const STEPS: u16 = 100;
@@ -32,7 +31,7 @@ impl<S: Scalar> Answer<S> {
 
     /// One step with what the tension was moved by and what was felt, N; true when the line is gone.
     pub fn step(&mut self, moved: S, felt: S) -> bool {
-        let share = S::one() - decay::<S>(TIME, OUTER_DT);
+        let share = S::lit(SHARE);
         let follow = |mean: &mut S, sample: S| *mean += (sample - *mean) * share;
         follow(&mut self.moved, moved);
         follow(&mut self.felt, felt);

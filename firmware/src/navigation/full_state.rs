@@ -26,7 +26,7 @@ use crate::time::{OUTER_DT, Sample};
 
 /// A direction from anchor to vehicle needs a line of this length, m.
 const LENGTH_FLOOR: f64 = 0.3;
-/// Of a fixed length's chord with its stretch moving, m, and at rest.
+/// Of a fixed length's chord with its stretch moving, m, and at rest, taken on about every other step.
 const FIXED_SD: f64 = 0.12;
 const FIXED_SD_STILL: f64 = 0.06;
 /// Of a payout, m: less sag than this is none.
@@ -38,8 +38,8 @@ const FIXED_RATE_SD: f64 = 0.30;
 const PAYOUT_RATE_SD: f64 = 0.60;
 /// Share of a new payout rate, at 50 Hz.
 const RATE_SHARE: f64 = 0.18;
-/// Of a winch's set-point, N, taken on every other step.
-const WINCH_SD: f64 = 2.0;
+/// Of a winch's set-point, N, taken on every fourth step.
+const WINCH_SD: f64 = 1.41;
 /// Slack: level velocity, m/s; no pull, N; not beyond the line's end, m, and how far beyond is too far.
 const SLACK_VELOCITY_SD: f64 = 1.2;
 const SLACK_TENSION_SD: f64 = 0.5;
@@ -104,6 +104,8 @@ pub(super) struct FullFlightState<S: Scalar> {
     /// The height comes from the barometer.
     is_barometric: bool,
     payout: Option<Payout<S>>,
+    /// The length has had its turn.
+    is_rate_next: bool,
     /// Restarts lately.
     heat: S,
     load: Load<S>,
@@ -235,6 +237,7 @@ impl<S: Scalar> FullFlight<S> {
             altitude: None,
             is_barometric: false,
             payout: None,
+            is_rate_next: false,
             heat: S::zero(),
             load: Load { thrust: S::zero(), is_taut: line.slackness.is_taut, length_out },
             reading: V3::zeros(),
@@ -330,7 +333,7 @@ impl<S: Scalar> FullFlight<S> {
         }
         flying.is_gone |= flying.line.is_beyond();
         flying.load.is_taut = flying.line.slackness.is_taut;
-        let FullFlightState { state, load, tick, .. } = flying;
+        let FullFlightState { state, load, .. } = flying;
         match &self.fixed_line {
             Some(_) if load.is_taut => {}
             Some(line) => {
@@ -341,11 +344,7 @@ impl<S: Scalar> FullFlight<S> {
                     self.filter.distance(state, line.length, S::lit(SLACK_LENGTH_SD))?;
                 }
             }
-            None if !tick.is_multiple_of(2) => {}
-            None if load.is_taut => {
-                let out = load.length_out;
-                self.filter.ground_tension(state, intent.tension, out, S::lit(WINCH_SD))?;
-            }
+            None if load.is_taut => {}
             None => {
                 self.filter.chord_tension(state, S::zero(), S::lit(SLACK_TENSION_SD))?;
             }
@@ -396,69 +395,92 @@ impl<S: Scalar> FullFlight<S> {
         sit: &MahonyState<S>,
         is_clear: bool,
     ) -> bool {
-        let altitude = flying.altitude.take();
+        let has_altitude = flying.altitude.is_some();
         flying.heat = (flying.heat - S::lit(OUTER_DT / HEAT_TIME)).max(S::zero());
-        let done = self.try_locate(flying, altitude, intent);
+        let done = self.try_locate(flying, intent);
         let has_failed = flying.has_failed || done.is_err();
         let jerks = !flying.line.is_settled();
         // The covariance is looked through where there is an altitude: fifty times a second.
-        let is_sound = altitude.is_none() || flying.state.is_sound(self.filter.used());
+        let is_sound = !has_altitude || flying.state.is_sound(self.filter.used());
         let is_ill = flying.health.is_ill(&flying.state, sit, jerks) && is_clear;
         // After so many restarts another one does not help.
         has_failed || !is_sound || (is_ill && flying.heat <= S::lit(HEAT_MAX))
     }
 
-    fn try_locate(
+    /// One row in a step, the one that has waited: none of its milliseconds is much dearer than another.
+    fn try_locate(&self, flying: &mut FullFlightState<S>, intent: &Intent<S>) -> Result<(), Fault> {
+        let is_winch = self.fixed_line.is_none();
+        match flying.tick % 4 {
+            0 if is_winch && flying.load.is_taut => {
+                let (state, out) = (&mut flying.state, flying.load.length_out);
+                self.filter.ground_tension(state, intent.tension, out, S::lit(WINCH_SD))?;
+            }
+            _ if flying.altitude.is_some() => self.take_altitude(flying, intent)?,
+            _ if !flying.load.is_taut => {}
+            _ if is_winch => self.take_payout(flying)?,
+            _ => self.take_fixed_length(flying)?,
+        }
+        Ok(())
+    }
+
+    fn take_altitude(
         &self,
         flying: &mut FullFlightState<S>,
-        altitude: Option<Height<S>>,
         intent: &Intent<S>,
     ) -> Result<(), Fault> {
+        let Some(altitude) = flying.altitude.take() else {
+            return Ok(());
+        };
         let state = &mut flying.state;
-        if let Some(altitude) = altitude {
-            if !flying.load.is_taut && !flying.is_gone {
-                let wanted = intent.velocity.0;
-                let sd = S::lit(SLACK_VELOCITY_SD);
-                self.filter.level_velocity(state, [wanted.x, wanted.y], sd)?;
-            }
-            if flying.is_barometric && altitude.is_ranged {
-                state.renew_altimeter(self.start.altimeter_bias);
-            }
-            flying.is_barometric = !altitude.is_ranged;
-            let nis = self.filter.altimeter(state, altitude.value, self.altimeter_sd)?;
-            flying.health.altimeter(nis);
+        if !flying.load.is_taut && !flying.is_gone {
+            let wanted = intent.velocity.0;
+            let sd = S::lit(SLACK_VELOCITY_SD);
+            self.filter.level_velocity(state, [wanted.x, wanted.y], sd)?;
         }
-        match (&self.fixed_line, &mut flying.payout) {
-            (Some(line), _) if flying.load.is_taut => {
-                let length = line.length;
-                // Each row's turn comes at every fourth step: half as often as the variances are meant for.
-                let half = S::lit(core::f64::consts::FRAC_1_SQRT_2);
-                let yields = self.filter.model.chord(state, length, GroundEnd::Fixed).softness;
-                match flying.tick % 4 {
-                    0 => {
-                        let sd = beside(self.fixed_sd, yields) * half;
-                        let nis = self.filter.line_out(state, length, GroundEnd::Fixed, sd)?;
-                        flying.health.length(nis);
-                    }
-                    2 => {
-                        let sd = beside(S::lit(FIXED_RATE_SD), yields * S::lit(3.0)) * half;
-                        self.filter.radial_rate(state, S::zero(), sd)?;
-                    }
-                    _ => {}
-                }
-            }
-            (None, Some(payout)) if payout.is_new && flying.load.is_taut => {
-                payout.is_new = false;
-                let length = payout.last.value;
-                flying.load.length_out = length;
-                let yields = self.filter.model.chord(state, length, GroundEnd::Winch).softness;
-                let sd = S::lit(PAYOUT_SD);
-                let nis = self.filter.line_out(state, length, GroundEnd::Winch, sd)?;
-                flying.health.length(nis);
-                let sd = beside(S::lit(PAYOUT_RATE_SD), yields * S::lit(3.0));
-                self.filter.radial_rate(state, payout.rate, sd)?;
-            }
-            _ => {}
+        if flying.is_barometric && altitude.is_ranged {
+            state.renew_altimeter(self.start.altimeter_bias);
+        }
+        flying.is_barometric = !altitude.is_ranged;
+        let nis = self.filter.altimeter(state, altitude.value, self.altimeter_sd)?;
+        flying.health.altimeter(nis);
+        Ok(())
+    }
+
+    /// The line's stretched length and that it does not grow, in turn.
+    fn take_fixed_length(&self, flying: &mut FullFlightState<S>) -> Result<(), Fault> {
+        let Some(line) = &self.fixed_line else {
+            return Ok(());
+        };
+        let (state, end) = (&mut flying.state, GroundEnd::Fixed);
+        let yields = self.filter.model.chord(state, line.length, end).softness;
+        flying.is_rate_next = !flying.is_rate_next;
+        if flying.is_rate_next {
+            let sd = beside(self.fixed_sd, yields);
+            let nis = self.filter.line_out(state, line.length, end, sd)?;
+            flying.health.length(nis);
+        } else {
+            let sd = beside(S::lit(FIXED_RATE_SD), yields * S::lit(3.0));
+            self.filter.radial_rate(state, S::zero(), sd)?;
+        }
+        Ok(())
+    }
+
+    /// What the winch measured, and then how fast it did.
+    fn take_payout(&self, flying: &mut FullFlightState<S>) -> Result<(), Fault> {
+        let Some(payout) = &mut flying.payout else {
+            return Ok(());
+        };
+        let (state, end) = (&mut flying.state, GroundEnd::Winch);
+        let length = payout.last.value;
+        if core::mem::take(&mut payout.is_new) {
+            flying.load.length_out = length;
+            flying.is_rate_next = true;
+            let nis = self.filter.line_out(state, length, end, S::lit(PAYOUT_SD))?;
+            flying.health.length(nis);
+        } else if core::mem::take(&mut flying.is_rate_next) {
+            let yields = self.filter.model.chord(state, length, end).softness;
+            let sd = beside(S::lit(PAYOUT_RATE_SD), yields * S::lit(3.0));
+            self.filter.radial_rate(state, payout.rate, sd)?;
         }
         Ok(())
     }
