@@ -23,7 +23,7 @@ const SCALE_MIN: f64 = 0.75;
 const SCALE_MAX: f64 = 1.25;
 const BROKEN_STEPS: u16 = 50;
 /// Low-passes over 1 s, per reading.
-const ACCEL_SHARE: f64 = 0.004;
+const ACCEL_SHARE: f64 = 0.008;
 const ALTITUDE_SHARE: f64 = 0.02;
 const LENGTH_SHARE: f64 = 0.016;
 

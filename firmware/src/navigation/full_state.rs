@@ -2,7 +2,7 @@
 //! (`fullstate` sections 6 to 8, 24 and 29).
 //!
 //! A step is spread over the milliseconds between two means of the inertial samples: [`FullFlight::predict`],
-//! [`FullFlight::feel`], [`FullFlight::locate`].
+//! [`FullFlight::feel`], [`FullFlight::judge`], [`FullFlight::locate`].
 
 use super::answer::Answer;
 use super::full_health::FullHealth;
@@ -184,7 +184,8 @@ impl<S: Scalar> FullFlight<S> {
             gyro_bias: [walk_x, walk_y, walk_z * YAW_SHARE],
             ..Densities::STANDARD
         };
-        let accel_sd = f64::from(p.full_accel_sd);
+        // Its rows come at half the rate.
+        let accel_sd = f64::from(p.full_accel_sd) * core::f64::consts::FRAC_1_SQRT_2;
         let mut standard = StartDeviation::standard();
         standard.gyro_bias.z *= S::lit(YAW_BIAS_SHARE);
         let fixed_sd = if p.dither > 0.0 { FIXED_SD } else { FIXED_SD_STILL };
@@ -301,22 +302,34 @@ impl<S: Scalar> FullFlight<S> {
         flying.has_failed |= done.is_err();
     }
 
-    /// Second part: the accelerometer, and whether the line pulls.
-    pub fn feel(&self, flying: &mut FullFlightState<S>, intent: &Intent<S>, sit: &MahonyState<S>) {
-        let done = self.try_feel(flying, intent, sit);
+    /// Second part: the accelerometer, at every other step: behind the low-pass, what comes 4 ms later says little new.
+    pub fn feel(&self, flying: &mut FullFlightState<S>) {
+        if flying.tick.is_multiple_of(2) {
+            let state = &mut flying.state;
+            match self.filter.accelerometer(state, &flying.reading, &flying.load) {
+                Ok(nis) => {
+                    flying.health.feel(nis);
+                    for _ in 0..2 {
+                        self.filter.boost(state, &mut flying.push, nis);
+                    }
+                }
+                Err(_) => flying.has_failed = true,
+            }
+        }
+    }
+
+    /// Third part: whether the line pulls.
+    pub fn judge(&self, flying: &mut FullFlightState<S>, intent: &Intent<S>, sit: &MahonyState<S>) {
+        let done = self.try_judge(flying, intent, sit);
         flying.has_failed |= done.is_err();
     }
 
-    fn try_feel(
+    fn try_judge(
         &self,
         flying: &mut FullFlightState<S>,
         intent: &Intent<S>,
         sit: &MahonyState<S>,
     ) -> Result<(), Fault> {
-        let FullFlightState { state, load, .. } = flying;
-        let nis = self.filter.accelerometer(state, &flying.reading, load)?;
-        flying.health.feel(nis);
-        self.filter.boost(state, &mut flying.push, nis);
         let along = self.along(flying, sit);
         // A line that hangs in a curve yields before it answers; a fixed one is moved by the vehicle, as far as it can.
         let is_sure = self.filter.model.sag == Sag::None && self.fixed_line.is_none();

@@ -58,8 +58,10 @@ pub(super) struct TetheredInput<'a, S: Scalar> {
 pub enum Stage {
     /// Onwards in time.
     Predict,
-    /// Accelerometer and slackness.
+    /// The accelerometer.
     Feel,
+    /// Whether the line pulls.
+    Judge,
     /// Height, length, health.
     Locate,
 }
@@ -167,7 +169,8 @@ impl<S: Scalar> Tethered<S> {
         }
         match stage {
             Stage::Predict => config.predict(full, z.imu, z.thrust),
-            Stage::Feel => config.feel(full, z.intent, z.sit),
+            Stage::Feel => config.feel(full),
+            Stage::Judge => config.judge(full, z.intent, z.sit),
             Stage::Locate => {
                 let has_altitude = full.has_altitude();
                 if config.locate(full, z.intent, z.sit, z.is_clear) {

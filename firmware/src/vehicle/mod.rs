@@ -96,8 +96,10 @@ enum OuterPhase {
     Observe,
     /// Its accelerometer.
     Feel,
-    /// The rest of it; supervisor, guidance, attitude.
+    /// Supervisor, guidance, attitude.
     Fly,
+    /// The rest of the full-state filter, beside the next step's beginning.
+    Locate,
 }
 
 /// Now, and what the sensors say now.
@@ -236,14 +238,17 @@ impl<S: Scalar> Vehicle<S> {
             self.supervise(at, &mut events);
         }
         match phase {
-            OuterPhase::Idle => {}
+            OuterPhase::Idle | OuterPhase::Locate => {}
             OuterPhase::Observe => {
                 self.observe_rod(input.now);
                 self.observe_link();
                 self.state.phase = OuterPhase::Feel;
             }
             OuterPhase::Feel => self.state.phase = OuterPhase::Fly,
-            OuterPhase::Fly => self.fly(at, &mut events),
+            OuterPhase::Fly => {
+                self.fly(at, &mut events);
+                self.state.phase = OuterPhase::Locate;
+            }
         }
         self.actuate(&sensors);
         let reply = reply.or_else(|| self.state.echo.take().map(Reply::echo));
@@ -306,7 +311,8 @@ impl<S: Scalar> Vehicle<S> {
             OuterPhase::Idle => return false,
             OuterPhase::Observe => Stage::Predict,
             OuterPhase::Feel => Stage::Feel,
-            OuterPhase::Fly => Stage::Locate,
+            OuterPhase::Fly => Stage::Judge,
+            OuterPhase::Locate => Stage::Locate,
         };
         let reference = situation.setpoints.reference;
         let intent = Intent {
@@ -316,7 +322,7 @@ impl<S: Scalar> Vehicle<S> {
         };
         let navigation = &self.config.navigation;
         navigation.advance(&mut situation.navigation, stage, &intent);
-        if stage != Stage::Locate {
+        if stage != Stage::Judge {
             return false;
         }
         let restarts = situation.estimate.restarts;
