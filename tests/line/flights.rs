@@ -66,8 +66,10 @@ fn every_sensor_of_the_line_agrees_with_the_truth_within_its_errors() {
         assert!((second.gyro.0 - first.gyro.0).norm() < 0.2, "two gyros disagree");
     }
     let [angles, cell, station_cell, station_angles, field] = worst;
-    assert!(angles < 0.01, "a line that swings for 10 ms and an offset: {angles}");
-    assert!(cell < 0.35 && station_cell < 0.4, "{cell} {station_cell}");
+    // The tension that moves to and fro swings the line more than the 10 ms' worth of 0.01 in still air.
+    assert!(angles < 0.012, "a line that swings for 10 ms and an offset: {angles}");
+    // The same: it changes by 20 N/s, and the station's cell is read every 10 ms and filtered.
+    assert!(cell < 0.35 && station_cell < 0.6, "{cell} {station_cell}");
     assert!(station_angles < 0.02, "{station_angles}");
     assert!(field < 0.05, "soft iron of 3 %: {field}");
     // All of the power came up the line, and more length was shown than is out.

@@ -9,6 +9,8 @@ const SHARE: f64 = OUTER_DT;
 /// Slope below which it does not answer, and how many steps of it make it gone: 0.4 s.
 const SLOPE_MIN: f64 = 0.3;
 const STEPS: u16 = 100;
+/// Nothing is missed before so many steps, 2 s: the direction may be wrong after a start.
+const EARLY: u16 = 500;
 /// Variance of the movement that is needed to tell, N².
 const MOVED: f64 = 0.5;
 
@@ -20,13 +22,14 @@ pub(super) struct Answer<S> {
     product: S,
     square: S,
     steps: u16,
+    age: u16,
 }
 
 impl<S: Scalar> Answer<S> {
     /// Nothing known.
     pub fn new() -> Self {
         let o = S::zero();
-        Self { moved: o, felt: o, product: o, square: o, steps: 0 }
+        Self { moved: o, felt: o, product: o, square: o, steps: 0, age: 0 }
     }
 
     /// One step with what the tension was moved by and what was felt, N; true when the line is gone.
@@ -39,7 +42,10 @@ impl<S: Scalar> Answer<S> {
         follow(&mut self.square, moved * moved);
         let variance = self.square - self.moved * self.moved;
         let covariance = self.product - self.moved * self.felt;
-        let is_silent = variance > S::lit(MOVED) && covariance < variance * S::lit(SLOPE_MIN);
+        self.age = (self.age + 1).min(EARLY);
+        let is_silent = self.age == EARLY
+            && variance > S::lit(MOVED)
+            && covariance < variance * S::lit(SLOPE_MIN);
         self.steps = if is_silent { self.steps.saturating_add(1) } else { 0 };
         self.steps > STEPS
     }

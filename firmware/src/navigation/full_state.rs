@@ -61,6 +61,8 @@ const YAW_BIAS_SHARE: f64 = 0.3;
 const RESTART_PLACE_SD: f64 = 1.0;
 const RESTART_VELOCITY_SD: f64 = 0.5;
 const RESTART_TENSION: f64 = 1.0;
+/// The gyro may be why, rad/s.
+const RESTART_BIAS_SD: f64 = 0.01;
 /// A restart counts for so long, s, and so many at once mean that nothing helps.
 const HEAT_TIME: f64 = 10.0;
 const HEAT_MAX: f64 = 2.0;
@@ -189,6 +191,7 @@ impl<S: Scalar> FullFlight<S> {
         let mut standard = StartDeviation::standard();
         standard.gyro_bias.z *= S::lit(YAW_BIAS_SHARE);
         let fixed_sd = if p.dither > 0.0 { FIXED_SD } else { FIXED_SD_STILL };
+        let bias = S::lit(RESTART_BIAS_SD);
         Some(Self {
             filter: FullStateFilter::new(model, &densities, accel_sd, false, OUTER_DT),
             start: StartDeviation {
@@ -200,6 +203,7 @@ impl<S: Scalar> FullFlight<S> {
             restart: StartDeviation {
                 position: S::lit(RESTART_PLACE_SD),
                 velocity: S::lit(RESTART_VELOCITY_SD),
+                gyro_bias: V3::new(bias, bias, standard.gyro_bias.z),
                 ..standard
             },
             low_pass: Biquad::low_pass(p.full_cutoff, 1.0 / OUTER_DT as f32),

@@ -176,13 +176,6 @@ pub const FAILSAFES: [Failsafe; 15] = [
         action: |_| FailsafeAction::Descend,
     },
     Failsafe {
-        failure: Failure::TetherGone,
-        text: "Tether gone: descending",
-        is_present: |_, f| f.is_gone && concerns(f.mode, |needs| needs.taut),
-        delay: |_| 0,
-        action: |_| FailsafeAction::Descend,
-    },
-    Failsafe {
         failure: Failure::TetherSlack,
         text: "Tether slack: descending",
         is_present: |_, f| !f.is_taut && !f.is_gone && concerns(f.mode, |needs| needs.taut),
@@ -252,6 +245,13 @@ pub const FAILSAFES: [Failsafe; 15] = [
         is_present: |_, _| false,
         delay: |_| 0,
         action: |_| FailsafeAction::Terminate,
+    },
+    Failsafe {
+        failure: Failure::TetherGone,
+        text: "Tether gone: descending",
+        is_present: |_, f| f.is_gone && concerns(f.mode, |needs| needs.taut),
+        delay: |_| 0,
+        action: |_| FailsafeAction::Descend,
     },
 ];
 

@@ -107,6 +107,8 @@ enum OuterPhase {
 struct Moment<'a, S: Scalar> {
     now: Micros,
     sensors: &'a Sensors<S>,
+    /// The full-state filter takes most of this millisecond: what can wait for the next one does.
+    is_full: bool,
 }
 
 /// What a mode may read, while the mode itself may change.
@@ -224,8 +226,9 @@ impl<S: Scalar> Vehicle<S> {
         let cos_tilt = self.situation.estimate.attitude.cos_tilt();
         let sensors =
             self.config.sense.step(&mut self.state.sense, input.now, &input.sensors, cos_tilt);
-        let at = Moment { now: input.now, sensors: &sensors };
         let phase = core::mem::take(&mut self.state.phase);
+        let is_full = phase == OuterPhase::Feel && self.situation.navigation.is_full();
+        let at = Moment { now: input.now, sensors: &sensors, is_full };
         let was_levelled = self.situation.estimate.is_levelled;
         let has_ticked = self.estimate(&sensors, &mut events);
         if has_ticked {

@@ -40,7 +40,7 @@ impl<S: Scalar> Vehicle<S> {
                 })
             }
             Some(request) => self.handle(request, at, events),
-            None if self.stale.is_empty() && !self.state.waiting.is_empty() => {
+            None if self.stale.is_empty() && !self.state.waiting.is_empty() && !at.is_full => {
                 let request = self.state.waiting.pop_front()?;
                 self.handle(&request, at, events)
             }
@@ -49,14 +49,14 @@ impl<S: Scalar> Vehicle<S> {
     }
 
     /// On the ground whatever is asked after a change of parameters finds all of them: it waits for the blocks, a
-    /// millisecond each. More parameters, and a stop, do not.
+    /// millisecond each. More parameters, and a stop, do not. In the air it waits for a millisecond that has room.
     fn must_wait(&self, request: &Request, at: Moment<'_, S>) -> bool {
         let is_busy = !self.stale.is_empty() || !self.state.waiting.is_empty();
         let is_prompt = matches!(
             request.action,
             Action::SetParam { .. } | Action::ResetParams | Action::Disarm { .. }
         );
-        is_busy && !is_prompt && !self.context(at).is_in_air()
+        !is_prompt && (at.is_full || (is_busy && !self.context(at).is_in_air()))
     }
 
     fn handle(
