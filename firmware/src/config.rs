@@ -178,7 +178,7 @@ impl<S: Scalar> Constants<S> {
 
 fn dither<S: Scalar>(p: &Params) -> Dither<S> {
     Dither {
-        amplitude: S::from_f32(p.dither),
+        amplitude: S::from_f32(Line::dither(p, TetherKind::from_parameter(p.tether_kind))),
         period: S::from_f32(p.dither_period),
         shape: Shape::Soft,
     }

@@ -5,10 +5,14 @@
 //! half of `w d` hangs on each end, the tension along the chord is that of the middle, and the vehicle's is larger
 //! than the station's by `w` times its height.
 
+use super::TetherKind;
 use crate::math::GRAVITY;
 use crate::param::Params;
 use crate::scalar::Scalar;
 use crate::signal::SphericalPoint;
+
+/// A chord shorter than its line by less than this is not told from it, m.
+const SAG_MAX: f32 = 0.03;
 
 /// Weight per length, N/m.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -32,6 +36,24 @@ impl<S: Scalar> Line<S> {
     #[must_use]
     pub fn growth(&self, height: S) -> S {
         self.0 * height * S::lit(0.5)
+    }
+}
+
+impl Line<f32> {
+    /// Whether the chord is the line, to what a length is measured to: at the set-point, with as much out as may be.
+    #[must_use]
+    pub fn is_straight(p: &Params, kind: TetherKind) -> bool {
+        let longest = if kind.has_winch() { p.length_max } else { p.tether_length };
+        let weight = Self::new(p).0 * longest;
+        let k = weight / p.tension;
+        longest * k * k < 24.0 * SAG_MAX
+    }
+
+    /// By how much the tension is moved to see where the line points, N. A line that hangs in a curve swings with it, and
+    /// shows nothing but that.
+    #[must_use]
+    pub fn dither(p: &Params, kind: TetherKind) -> f32 {
+        if Self::is_straight(p, kind) { p.dither } else { 0.0 }
     }
 }
 

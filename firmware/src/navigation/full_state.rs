@@ -29,7 +29,7 @@ const LENGTH_FLOOR: f64 = 0.3;
 /// Of a fixed length's chord with its stretch moving, m, and at rest, taken on about every other step.
 const FIXED_SD: f64 = 0.12;
 const FIXED_SD_STILL: f64 = 0.06;
-/// Of a payout, m: less sag than this is none.
+/// Of a payout, m.
 const PAYOUT_SD: f64 = 0.03;
 /// How a barometer's height drifts, m/√s.
 const BAROMETER_WALK: f64 = 0.02;
@@ -166,16 +166,19 @@ impl<S: Scalar> FullFlight<S> {
             return None;
         }
         let f = S::from_f32;
-        let longest = if kind.has_winch() { p.length_max } else { p.tether_length };
-        let line = Line::new(p);
+        let sag = match kind {
+            _ if Line::is_straight(p, kind) => Sag::None,
+            TetherKind::Winch => Sag::OfEstimate,
+            _ => Sag::OfSetpoint(f(p.tension)),
+        };
         let model = FullStateModel {
             mass: f(p.mass),
             attachment: f(p.attachment),
             drag: f(p.drag),
-            line,
+            line: Line::new(p),
             stiffness: f(p.line_stiffness),
             length_floor: S::lit(LENGTH_FLOOR),
-            sag: sag(f(p.tension), line, f(longest), kind),
+            sag,
             bow: S::zero(),
         };
         let [gyro_x, gyro_y, gyro_z] = Densities::STANDARD.gyro;
@@ -190,7 +193,7 @@ impl<S: Scalar> FullFlight<S> {
         let accel_sd = f64::from(p.full_accel_sd) * core::f64::consts::FRAC_1_SQRT_2;
         let mut standard = StartDeviation::standard();
         standard.gyro_bias.z *= S::lit(YAW_BIAS_SHARE);
-        let fixed_sd = if p.dither > 0.0 { FIXED_SD } else { FIXED_SD_STILL };
+        let fixed_sd = if Line::dither(p, kind) > 0.0 { FIXED_SD } else { FIXED_SD_STILL };
         let bias = S::lit(RESTART_BIAS_SD);
         Some(Self {
             filter: FullStateFilter::new(model, &densities, accel_sd, false, OUTER_DT),
@@ -536,18 +539,6 @@ fn position_sd<S: Scalar>(state: &FullState<S>) -> V3<S> {
     let is_windy = wind.x * wind.x + wind.y * wind.y > S::lit(WINDY * WINDY);
     let more = if is_windy { S::lit(WINDY_VARIANCE) } else { S::one() };
     V3::new((variances.x * more).sqrt(), (variances.y * more).sqrt(), variances.z.sqrt())
-}
-
-/// How the line's weight counts, for a mean set-point, N, and the longest line, m.
-fn sag<S: Scalar>(tension: S, line: Line<S>, longest: S, kind: TetherKind) -> Sag<S> {
-    let k = line.half_weight(longest) * S::lit(2.0) / tension;
-    if longest * k * k < S::lit(24.0 * PAYOUT_SD) {
-        Sag::None
-    } else if kind.has_winch() {
-        Sag::OfEstimate
-    } else {
-        Sag::OfSetpoint(tension)
-    }
 }
 
 /// Standard deviation of two independent errors together.

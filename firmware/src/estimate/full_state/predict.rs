@@ -83,7 +83,7 @@ type Row<S> = [M3<S>; BLOCKS];
 impl<S: Scalar> Column<S> for Across<'_, S> {
     #[inline(always)]
     fn at<const BLOCK: usize>(&self) -> M3<S> {
-        self.0[BLOCK].transpose()
+        self.get(BLOCK)
     }
     #[inline(always)]
     fn get(&self, block: usize) -> M3<S> {
