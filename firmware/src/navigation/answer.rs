@@ -1,5 +1,5 @@
 //! Does the line answer? What is felt along it must follow the tension that is moved to and fro: a slope of one, whatever
-//! the wind. A line that was cut, or never was there, has none.
+//! the wind. A line that was cut, or never was there, has none; nor is there much left to feel of a strong pull.
 
 use crate::scalar::Scalar;
 use crate::time::OUTER_DT;
@@ -11,6 +11,10 @@ const SLOPE_MIN: f64 = 0.3;
 const STEPS: u16 = 100;
 /// Nothing is missed before so many steps, 2 s: the direction may be wrong after a start.
 const EARLY: u16 = 500;
+/// A pull so strong, N, is missed when so little of it is felt, low-passed over 0.2 s.
+const STRONG: f64 = 5.0;
+const FELT_MIN: f64 = 0.2;
+const QUICK_SHARE: f64 = 0.02;
 /// Variance of the movement that is needed to tell, N².
 const MOVED: f64 = 0.5;
 
@@ -19,33 +23,48 @@ const MOVED: f64 = 0.5;
 pub(super) struct Answer<S> {
     moved: S,
     felt: S,
+    quick: S,
     product: S,
     square: S,
     steps: u16,
     age: u16,
+    /// Little is felt of what is asked for.
+    pub is_doubtful: bool,
 }
 
 impl<S: Scalar> Answer<S> {
     /// Nothing known.
     pub fn new() -> Self {
         let o = S::zero();
-        Self { moved: o, felt: o, product: o, square: o, steps: 0, age: 0 }
+        Self {
+            moved: o,
+            felt: o,
+            quick: o,
+            product: o,
+            square: o,
+            steps: 0,
+            age: 0,
+            is_doubtful: false,
+        }
     }
 
-    /// One step with what the tension was moved by and what was felt, N; true when the line is gone.
-    pub fn step(&mut self, moved: S, felt: S) -> bool {
+    /// One step with the tension that is asked for, what of it is movement, and what was felt, N; true when the line is
+    /// gone.
+    pub fn step(&mut self, tension: S, moved: S, felt: S) -> bool {
         let share = S::lit(SHARE);
         let follow = |mean: &mut S, sample: S| *mean += (sample - *mean) * share;
         follow(&mut self.moved, moved);
         follow(&mut self.felt, felt);
         follow(&mut self.product, moved * felt);
         follow(&mut self.square, moved * moved);
+        self.quick += (felt - self.quick) * S::lit(QUICK_SHARE);
+        self.is_doubtful = self.quick < tension * S::lit(FELT_MIN);
+        let is_missed = tension > S::lit(STRONG) && self.is_doubtful;
         let variance = self.square - self.moved * self.moved;
         let covariance = self.product - self.moved * self.felt;
         self.age = (self.age + 1).min(EARLY);
-        let is_silent = self.age == EARLY
-            && variance > S::lit(MOVED)
-            && covariance < variance * S::lit(SLOPE_MIN);
+        let is_still = variance > S::lit(MOVED) && covariance < variance * S::lit(SLOPE_MIN);
+        let is_silent = self.age == EARLY && (is_still || is_missed);
         self.steps = if is_silent { self.steps.saturating_add(1) } else { 0 };
         self.steps > STEPS
     }
@@ -61,7 +80,7 @@ mod tests {
         (0..15_000).map(|step| f64::from(step) * OUTER_DT).find(|t| {
             let moved = 2.5 * (core::f64::consts::TAU / 1.5 * t).sin().signum();
             let pull = if *t < cut { 6.5 + slope * moved } else { 0.0 };
-            answer.step(moved, pull + wind * (0.9 * t).sin())
+            answer.step(6.5 + moved, moved, pull + wind * (0.9 * t).sin())
         })
     }
 

@@ -340,7 +340,7 @@ impl<S: Scalar> FullFlight<S> {
         let along = self.along(flying, sit);
         // A line that hangs in a curve yields before it answers; a fixed one is moved by the vehicle, as far as it can.
         let is_sure = self.filter.model.sag == Sag::None && self.fixed_line.is_none();
-        let is_silent = flying.answer.step(intent.dither, along.felt) && is_sure;
+        let is_silent = flying.answer.step(intent.tension, intent.dither, along.felt) && is_sure;
         if is_silent {
             flying.is_gone = true;
             flying.answer = Answer::new();
@@ -423,6 +423,8 @@ impl<S: Scalar> FullFlight<S> {
         // The covariance is looked through where there is an altitude: fifty times a second.
         let is_sound = !has_altitude || flying.state.is_sound(self.filter.used());
         let is_ill = flying.health.is_ill(&flying.state, sit, jerks) && is_clear;
+        // A line that may be gone is not to be forgotten in a new start.
+        let is_ill = is_ill && !(self.fixed_line.is_none() && flying.answer.is_doubtful);
         // After so many restarts another one does not help.
         has_failed || !is_sound || (is_ill && flying.heat <= S::lit(HEAT_MAX))
     }

@@ -29,8 +29,6 @@ struct Group {
     /// m.
     length: f64,
     between: Between,
-    /// More of the scenario.
-    more: &'static str,
     /// Mean wind, m/s, with gusts, and the specification's limit for the error of the place, m.
     cells: &'static [(f64, Option<f64>)],
     /// Largest level error² over σ², up to 5 m/s.
@@ -45,7 +43,6 @@ const GROUPS: [Group; 6] = [
         kind: "fixed",
         length: 10.0,
         between: Between::Hold,
-        more: "",
         cells: &[(0.0, Some(0.14)), (3.0, Some(0.20)), (5.0, Some(0.26)), (8.0, Some(0.38))],
         ratio: Some(1.3),
         drift: None,
@@ -55,7 +52,6 @@ const GROUPS: [Group; 6] = [
         kind: "fixed",
         length: 10.0,
         between: Between::Moves,
-        more: "",
         cells: &[(0.0, Some(0.14)), (3.0, Some(0.19)), (5.0, Some(0.25)), (8.0, Some(0.35))],
         ratio: Some(1.3),
         drift: None,
@@ -65,7 +61,6 @@ const GROUPS: [Group; 6] = [
         kind: "winch",
         length: 10.0,
         between: Between::Hold,
-        more: "",
         cells: &[(0.0, Some(0.17)), (3.0, Some(0.23)), (5.0, None), (8.0, Some(0.57))],
         ratio: Some(1.3),
         drift: None,
@@ -75,7 +70,6 @@ const GROUPS: [Group; 6] = [
         kind: "winch",
         length: 10.0,
         between: Between::Moves,
-        more: "",
         cells: &[(0.0, None), (3.0, None), (5.0, None), (8.0, None)],
         ratio: Some(1.3),
         drift: None,
@@ -85,7 +79,6 @@ const GROUPS: [Group; 6] = [
         kind: "fixed",
         length: 20.0,
         between: Between::Hold,
-        more: "",
         cells: &[(0.0, Some(0.24)), (3.0, Some(0.33)), (8.0, Some(0.60))],
         ratio: Some(1.3),
         drift: None,
@@ -95,7 +88,6 @@ const GROUPS: [Group; 6] = [
         kind: "winch",
         length: 10.0,
         between: Between::Nothing,
-        more: "",
         cells: &[(7.0, None), (8.0, None), (10.0, None)],
         ratio: None,
         drift: Some(1.0),
@@ -131,7 +123,7 @@ azimuth = 0.0
 
 impl Group {
     fn scenario(&self, wind: f64) -> Result<Scenario, String> {
-        let Self { kind, length, more, .. } = self;
+        let Self { kind, length, .. } = self;
         let between = match self.between {
             Between::Hold => "[[mission]]\ndo = \"hold\"\nseconds = 40",
             Between::Moves => MOVES,
@@ -145,10 +137,6 @@ impl Group {
             [wind]
             speed = {wind}
             gusts = true
-            [params]
-            EST_KIND = 1
-            TET_TENSION = 6.5
-            {more}
             [[mission]]
             do = "arm"
             [[mission]]
@@ -183,6 +171,11 @@ pub fn run(settings: &Overrides) -> Result<Report, String> {
             add(&mut report, group, (wind, limit), &seeds, &flown?);
         }
     }
+    report.notes.push(format!(
+        "Root mean square over {} seeds, Tether Hold, moves included: the estimate's error in three coordinates, and \
+         the truth's distance from its set-point. Limits: `fullstate` section 26.",
+        seeds.len()
+    ));
     Ok(report)
 }
 
@@ -217,8 +210,12 @@ fn add(
     let most = group.ratio.map(|most| if wind > 5.0 { 2.0 } else { most });
     report.add(format!("{name}: level error²/σ²"), ratio, at_most(most));
     let kept = places().map(|p| p.kept[0]).sum::<f64>() / places().count() as f64;
-    report.add(format!("{name}: level error within 2σ"), kept, Compare::Alone);
-    report.add(format!("{name}: restarts"), rms(|p| f64::from(p.restarts)), Compare::Alone);
+    // Ours to keep: what `eph` says, twice, in 95 % of the time; the gusts of 8 m/s and more are beyond the filter's model.
+    let holds = kept >= 0.95 || wind > 5.0;
+    let claim = "95 % of the time up to 5 m/s";
+    report.add(format!("{name}: level error within 2σ"), kept, Compare::Claim(claim, holds));
+    let restarts: f64 = places().map(|p| f64::from(p.restarts)).sum();
+    report.add(format!("{name}: restarts, all flights"), restarts, Compare::Alone);
     if let Some(most) = group.drift {
         let drift = flown.iter().filter_map(|(summary, _)| summary.touch_down_drift_mps);
         let worst = drift.fold(0.0, f64::max);
