@@ -47,6 +47,8 @@ const SLACK_LENGTH_SD: f64 = 0.3;
 const BEYOND: f64 = 0.1;
 /// No cable pushes: an estimate below this, N, is wrong.
 const PUSH: f64 = -0.5;
+/// A line shorter than this, m, is not missed.
+const ANSWER_LENGTH: f64 = 3.0;
 /// What a line that becomes slack leaves unknown: place, m, and velocity, m/s.
 const RELEASE_SD: f64 = 0.2;
 /// At lift-off, levelled and integrated from standing: place, m, velocity, m/s, tilt, rad.
@@ -338,8 +340,11 @@ impl<S: Scalar> FullFlight<S> {
         sit: &MahonyState<S>,
     ) -> Result<(), Fault> {
         let along = self.along(flying, sit);
-        // A line that hangs in a curve yields before it answers; a fixed one is moved by the vehicle, as far as it can.
-        let is_sure = self.filter.model.sag == Sag::None && self.fixed_line.is_none();
+        // A line that hangs in a curve yields before it answers; a fixed one is moved by the vehicle, as far as it can; near
+        // the anchor a small error of the place is a large one of the direction.
+        let is_sure = self.filter.model.sag == Sag::None
+            && self.fixed_line.is_none()
+            && along.distance > S::lit(ANSWER_LENGTH);
         let is_silent = flying.answer.step(intent.tension, intent.dither, along.felt) && is_sure;
         if is_silent {
             flying.is_gone = true;
