@@ -7,13 +7,13 @@ use crate::time::OUTER_DT;
 /// The moments forget in 1 s.
 const SHARE: f64 = OUTER_DT;
 /// Slope below which it does not answer, and how many steps of it make it gone: 0.4 s.
-const SLOPE_MIN: f64 = 0.3;
+const SLOPE_MIN: f64 = 0.2;
 const STEPS: u16 = 100;
 /// Nothing is missed before so many steps, 2 s: the direction may be wrong after a start.
 const EARLY: u16 = 500;
 /// A pull so strong, N, is missed when so little of it is felt, low-passed over 0.2 s.
-const STRONG: f64 = 5.0;
-const FELT_MIN: f64 = 0.2;
+const STRONG: f64 = 7.0;
+const FELT_MIN: f64 = 0.15;
 const QUICK_SHARE: f64 = 0.02;
 /// Variance of the movement that is needed to tell, N².
 const MOVED: f64 = 0.5;

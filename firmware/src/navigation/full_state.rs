@@ -47,6 +47,8 @@ const SLACK_LENGTH_SD: f64 = 0.3;
 const BEYOND: f64 = 0.1;
 /// No cable pushes: an estimate below this, N, is wrong.
 const PUSH: f64 = -0.5;
+/// With a line shorter than this, m, what is across it changes fast.
+const NEAR: f64 = 5.0;
 /// A line shorter than this, m, is not missed.
 const ANSWER_LENGTH: f64 = 3.0;
 /// What a line that becomes slack leaves unknown: place, m, and velocity, m/s.
@@ -311,9 +313,11 @@ impl<S: Scalar> FullFlight<S> {
         flying.has_failed |= done.is_err();
     }
 
-    /// Second part: the accelerometer, at every other step: behind the low-pass, what comes 4 ms later says little new.
+    /// Second part: the accelerometer; at every other step where the line is long: behind the low-pass, what comes 4 ms later
+    /// says little new.
     pub fn feel(&self, flying: &mut FullFlightState<S>) {
-        if flying.tick.is_multiple_of(2) {
+        let is_near = flying.load.length_out < S::lit(NEAR);
+        if is_near || flying.tick.is_multiple_of(2) {
             let state = &mut flying.state;
             match self.filter.accelerometer(state, &flying.reading, &flying.load) {
                 Ok(nis) => {
