@@ -34,7 +34,7 @@ const LIMITS: [(&str, &str, &str, u32); 15] = [
     (M3, "mixer and thrust map", "Q16", 2_500),
 ];
 /// On average over a flight; the full-state filter takes half of it.
-const STEP_AVERAGE: u32 = 7_500;
+const STEP_AVERAGE: u32 = 8_000;
 
 struct Core {
     name: &'static str,
