@@ -8,11 +8,7 @@ use crate::math::so3;
 use crate::scalar::Scalar;
 use crate::signal::FilterHealth;
 
-/// Low-passed squared innovations that no healthy flight has.
-const ACCEL_MAX: f64 = 1.5;
-const ALTITUDE_MAX: f64 = 2.5;
-const LENGTH_MAX: f64 = 2.0;
-/// How long they must last, steps: 1 s.
+/// How long the innovations must fail, steps: 1 s.
 const STEPS: u16 = 250;
 /// Cosine of 8 degrees between the filter's down axis and the attitude filter's; 0.5 s.
 const TILT_COS: f64 = 0.990_268;
@@ -67,9 +63,10 @@ impl<S: Scalar> FullHealth<S> {
     pub fn is_ill(&mut self, state: &FullState<S>, sit: &MahonyState<S>, jerks: bool) -> bool {
         let m = &self.means;
         let count = |bad, steps: u16| if bad { steps.saturating_add(1) } else { 0 };
-        let fails = (m.accel > S::lit(ACCEL_MAX) && !jerks)
-            || m.altitude > S::lit(ALTITUDE_MAX)
-            || m.length > S::lit(LENGTH_MAX);
+        let most = FilterHealth::FULL_STATE_MOST;
+        let fails = (m.accel > S::from_f32(most.accel) && !jerks)
+            || m.altitude > S::from_f32(most.altitude)
+            || m.length > S::from_f32(most.length);
         self.failed_steps = count(fails, self.failed_steps);
         let down = so3::col_z(&state.attitude.0);
         let cos = so3::dot(&down, &so3::col_z(&sit.attitude.0));

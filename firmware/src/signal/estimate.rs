@@ -30,6 +30,11 @@ pub struct FilterHealth<S> {
     pub length: S,
 }
 
+impl FilterHealth<f32> {
+    /// What no healthy flight of the full-state filter reaches (`fullstate` section 8): beyond it the filter begins anew.
+    pub const FULL_STATE_MOST: Self = Self { accel: 1.5, altitude: 2.5, length: 2.0 };
+}
+
 /// Who says where the vehicle is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum PositionSource {

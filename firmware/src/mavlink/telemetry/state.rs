@@ -2,7 +2,7 @@
 
 use super::Outgoing;
 use crate::mavlink::{KG_TO_N, Session, Sink, global};
-use crate::signal::ImuHealth;
+use crate::signal::{FilterHealth, ImuHealth, PositionSource};
 use mavlink::dialects::common as mav;
 use mavlink::types::CharArray;
 
@@ -205,13 +205,18 @@ impl Session {
         set(F::ESTIMATOR_POS_VERT_AGL, out.sensors.altitude_is_ranged);
         set(F::ESTIMATOR_POS_HORIZ_REL | F::ESTIMATOR_VELOCITY_HORIZ, e.position.is_some());
         set(F::ESTIMATOR_ACCEL_ERROR, out.sensors.imu_health != ImuHealth::Good);
-        // Our ratios are squared and fail at `EST_DIV_RATIO`; MAVLink's fail at 1.
-        let ratio = |x: f32| libm::sqrtf((x / params.divergence_ratio).max(0.0));
+        // Our ratios are squared and fail at these; MAVLink's fail at 1.
+        let simple = params.divergence_ratio;
+        let most = match e.source {
+            PositionSource::FullState => FilterHealth::FULL_STATE_MOST,
+            _ => FilterHealth { accel: simple, altitude: simple, length: simple },
+        };
+        let ratio = |x: f32, most: f32| libm::sqrtf((x / most).max(0.0));
         let m = mav::ESTIMATOR_STATUS_DATA {
             time_usec: v.usec,
-            vel_ratio: ratio(e.health.accel),
-            pos_horiz_ratio: ratio(e.health.length),
-            pos_vert_ratio: ratio(e.health.altitude),
+            vel_ratio: ratio(e.health.accel, most.accel),
+            pos_horiz_ratio: ratio(e.health.length, most.length),
+            pos_vert_ratio: ratio(e.health.altitude, most.altitude),
             pos_horiz_accuracy: libm::hypotf(e.position_sd.x, e.position_sd.y),
             pos_vert_accuracy: e.position_sd.z,
             flags,
