@@ -4,11 +4,8 @@
 //! [`Estimate`] out; the filters themselves stand in [`crate::estimate`].
 
 mod alignment;
-mod answer;
 mod decimator;
 mod divergence;
-mod full_health;
-mod full_slack;
 mod full_state;
 mod lift_off;
 mod position;

@@ -34,7 +34,7 @@ pub struct FullState<S: Scalar> {
     pub gust: V3<S>,
     /// Of a direction sensor, rad, or a position sensor, m.
     pub offset: [S; 2],
-    /// Of the error, in the order of [`super::covariance`].
+    /// Of the error, in the order of the covariance's file.
     pub covariance: Covariance<S>,
 }
 

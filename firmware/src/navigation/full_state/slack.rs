@@ -2,7 +2,7 @@
 //! says, and by what the accelerometer shows along the line: pull and wind look alike to the filter, and its rows of a
 //! taut line would hold it on the sphere while the vehicle falls inwards.
 
-use super::slackness::{Slackness, SlacknessState};
+use super::super::slackness::{Slackness, SlacknessState};
 use crate::math::filter::decay;
 use crate::param::Params;
 use crate::scalar::Scalar;

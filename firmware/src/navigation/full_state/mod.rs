@@ -1,58 +1,43 @@
 //! The full-state filter in flight: when it starts, what it is fed in which order, and when it is made anew
 //! (`fullstate` sections 6 to 8, 24 and 29).
 //!
-//! A step is spread over the milliseconds between two means of the inertial samples: [`FullFlight::predict`],
-//! [`FullFlight::feel`], [`FullFlight::judge`], [`FullFlight::locate`].
+//! A step is spread over the milliseconds between two means of the inertial samples: `predict`,
+//! `feel`, `judge`, `locate`.
 
-use super::answer::Answer;
-use super::full_health::FullHealth;
-use super::full_slack::{Along, FixedLine, FixedLineState};
+mod answer;
+mod health;
+mod line;
+mod rows;
+mod slack;
+
 use super::position::Found;
-use super::slackness::SlacknessState;
-
+use crate::estimate::MahonyState;
 use crate::estimate::full_state::{
-    Densities, FullState, FullStateFilter, FullStateModel, GroundEnd, Load, POSITION, PushDetector,
-    SCALARS, Sag, StartDeviation, VELOCITY,
+    Densities, FullState, FullStateFilter, FullStateModel, Load, POSITION, PushDetector, SCALARS,
+    Sag, StartDeviation,
 };
-use crate::estimate::{Fault, MahonyState};
 use crate::frames::{V3, World};
 use crate::math::filter::{Biquad, Biquad3State, BiquadState};
-use crate::math::{GRAVITY, so3};
 use crate::model::{Line, TetherKind};
 use crate::param::Params;
 use crate::scalar::Scalar;
 use crate::signal::{Imu, PositionSource};
 use crate::time::{OUTER_DT, Sample};
+use answer::Answer;
+use health::FullHealth;
+use slack::{FixedLine, FixedLineState};
 
 /// A direction from anchor to vehicle needs a line of this length, m.
 const LENGTH_FLOOR: f64 = 0.3;
 /// Of a fixed length's chord with its stretch moving, m, and at rest, taken on about every other step.
 const FIXED_SD: f64 = 0.12;
 const FIXED_SD_STILL: f64 = 0.06;
-/// Of a payout, m.
-const PAYOUT_SD: f64 = 0.03;
 /// How a barometer's height drifts, m/√s.
 const BAROMETER_WALK: f64 = 0.02;
-/// Of the chord's rate, m/s.
-const FIXED_RATE_SD: f64 = 0.30;
-const PAYOUT_RATE_SD: f64 = 0.60;
 /// Share of a new payout rate, at 50 Hz.
 const RATE_SHARE: f64 = 0.18;
-/// Of a winch's set-point, N, taken on every fourth step.
-const WINCH_SD: f64 = 1.41;
-/// Slack: level velocity, m/s; no pull, N; not beyond the line's end, m, and how far beyond is too far.
-const SLACK_VELOCITY_SD: f64 = 1.2;
-const SLACK_TENSION_SD: f64 = 0.5;
-const SLACK_LENGTH_SD: f64 = 0.3;
-const BEYOND: f64 = 0.1;
-/// No cable pushes: an estimate below this, N, is wrong.
-const PUSH: f64 = -0.5;
 /// With a line shorter than this, m, what is across it changes fast.
 const NEAR: f64 = 5.0;
-/// A line shorter than this, m, is not missed.
-const ANSWER_LENGTH: f64 = 3.0;
-/// What a line that becomes slack leaves unknown: place, m, and velocity, m/s.
-const RELEASE_SD: f64 = 0.2;
 /// At lift-off, levelled and integrated from standing: place, m, velocity, m/s, tilt, rad.
 const START_PLACE_SD: f64 = 0.25;
 const START_VELOCITY_SD: f64 = 0.3;
@@ -95,7 +80,7 @@ pub(super) struct FullFlight<S: Scalar> {
 pub(super) struct FullFlightState<S: Scalar> {
     pub state: FullState<S>,
     line: FixedLineState<S>,
-    pub health: FullHealth<S>,
+    health: FullHealth<S>,
     /// Since lift-off.
     pub restarts: u16,
     /// The feet touch: the state stands still.
@@ -331,90 +316,6 @@ impl<S: Scalar> FullFlight<S> {
         }
     }
 
-    /// Third part: whether the line pulls.
-    pub fn judge(&self, flying: &mut FullFlightState<S>, intent: &Intent<S>, sit: &MahonyState<S>) {
-        let done = self.try_judge(flying, intent, sit);
-        flying.has_failed |= done.is_err();
-    }
-
-    fn try_judge(
-        &self,
-        flying: &mut FullFlightState<S>,
-        intent: &Intent<S>,
-        sit: &MahonyState<S>,
-    ) -> Result<(), Fault> {
-        let along = self.along(flying, sit);
-        // A line that hangs in a curve yields before it answers; a fixed one is moved by the vehicle, as far as it can; near
-        // the anchor a small error of the place is a large one of the direction.
-        let is_sure = self.filter.model.sag == Sag::None
-            && self.fixed_line.is_none()
-            && along.distance > S::lit(ANSWER_LENGTH);
-        let is_silent = flying.answer.step(intent.tension, intent.dither, along.felt) && is_sure;
-        if is_silent {
-            flying.is_gone = true;
-            flying.answer = Answer::new();
-            flying.line.slackness = SlacknessState::SLACK;
-        }
-        if let Some(line) = &self.fixed_line
-            && line.step(&mut flying.line, &along)
-        {
-            self.release(flying, &along);
-        }
-        flying.is_gone |= flying.line.is_beyond();
-        flying.load.is_taut = flying.line.slackness.is_taut;
-        let FullFlightState { state, load, .. } = flying;
-        match &self.fixed_line {
-            Some(_) if load.is_taut => {}
-            Some(line) => {
-                if line.is_inside(along.distance) || along.tension < S::lit(PUSH) {
-                    self.filter.chord_tension(state, S::zero(), S::lit(SLACK_TENSION_SD))?;
-                }
-                if along.distance > line.length + S::lit(BEYOND) && !flying.is_gone {
-                    self.filter.distance(state, line.length, S::lit(SLACK_LENGTH_SD))?;
-                }
-            }
-            None if load.is_taut => {}
-            None => {
-                self.filter.chord_tension(state, S::zero(), S::lit(SLACK_TENSION_SD))?;
-            }
-        }
-        Ok(())
-    }
-
-    /// What the filter and the accelerometer say along the line.
-    fn along(&self, flying: &FullFlightState<S>, sit: &MahonyState<S>) -> Along<S> {
-        let (model, state) = (&self.filter.model, &flying.state);
-        let (u, distance) = (model.direction(state), model.distance(state));
-        let own = flying.reading - state.accel_bias;
-        let force = state.attitude.0 * own;
-        let lift = so3::col_z(&state.attitude.0) * (state.thrust_scale * flying.load.thrust);
-        let felt = force * model.mass + lift;
-        let speed = so3::dot(&u, &state.velocity);
-        let across = so3::dot(&state.velocity, &state.velocity) - speed * speed;
-        Along {
-            distance,
-            speed,
-            accel: so3::dot(&u, &(sit.attitude.0 * own))
-                + u.z * S::lit(GRAVITY)
-                + across / distance,
-            tension: state.tension,
-            felt: -so3::dot(&u, &felt),
-            wind: -so3::dot(&u, &state.wind) * model.mass,
-        }
-    }
-
-    /// The line has become slack: its pull was the wind's, and the speed along it is what the accelerometer shows.
-    fn release(&self, flying: &mut FullFlightState<S>, along: &Along<S>) {
-        let u = self.filter.model.direction(&flying.state);
-        let state = &mut flying.state;
-        state.wind -= u * (state.tension / self.filter.model.mass);
-        state.tension = S::zero();
-        state.velocity += u * (flying.line.drift - along.speed);
-        let unknown = V3::repeat(S::lit(RELEASE_SD * RELEASE_SD));
-        state.covariance.inflate(POSITION, &unknown);
-        state.covariance.inflate(VELOCITY, &unknown);
-    }
-
     /// Last part: height and length. Whether the filter must begin anew; not `is_clear` of the ground, whose push is in no
     /// model, only if its numbers are spoilt.
     pub fn locate(
@@ -436,84 +337,6 @@ impl<S: Scalar> FullFlight<S> {
         let is_ill = is_ill && !(self.fixed_line.is_none() && flying.answer.is_doubtful);
         // After so many restarts another one does not help.
         has_failed || !is_sound || (is_ill && flying.heat <= S::lit(HEAT_MAX))
-    }
-
-    /// One row in a step, the one that has waited: none of its milliseconds is much dearer than another.
-    fn try_locate(&self, flying: &mut FullFlightState<S>, intent: &Intent<S>) -> Result<(), Fault> {
-        let is_winch = self.fixed_line.is_none();
-        match flying.tick % 4 {
-            0 if is_winch && flying.load.is_taut => {
-                let (state, out) = (&mut flying.state, flying.load.length_out);
-                self.filter.ground_tension(state, intent.tension, out, S::lit(WINCH_SD))?;
-            }
-            _ if flying.altitude.is_some() => self.take_altitude(flying, intent)?,
-            _ if !flying.load.is_taut => {}
-            _ if is_winch => self.take_payout(flying)?,
-            _ => self.take_fixed_length(flying)?,
-        }
-        Ok(())
-    }
-
-    fn take_altitude(
-        &self,
-        flying: &mut FullFlightState<S>,
-        intent: &Intent<S>,
-    ) -> Result<(), Fault> {
-        let Some(altitude) = flying.altitude.take() else {
-            return Ok(());
-        };
-        let state = &mut flying.state;
-        if !flying.load.is_taut && !flying.is_gone {
-            let wanted = intent.velocity.0;
-            let sd = S::lit(SLACK_VELOCITY_SD);
-            self.filter.level_velocity(state, [wanted.x, wanted.y], sd)?;
-        }
-        if flying.is_barometric && altitude.is_ranged {
-            state.renew_altimeter(self.start.altimeter_bias);
-        }
-        flying.is_barometric = !altitude.is_ranged;
-        let nis = self.filter.altimeter(state, altitude.value, self.altimeter_sd)?;
-        flying.health.altimeter(nis);
-        Ok(())
-    }
-
-    /// The line's stretched length and that it does not grow, in turn.
-    fn take_fixed_length(&self, flying: &mut FullFlightState<S>) -> Result<(), Fault> {
-        let Some(line) = &self.fixed_line else {
-            return Ok(());
-        };
-        let (state, end) = (&mut flying.state, GroundEnd::Fixed);
-        let yields = self.filter.model.chord(state, line.length, end).softness;
-        flying.is_rate_next = !flying.is_rate_next;
-        if flying.is_rate_next {
-            let sd = beside(self.fixed_sd, yields);
-            let nis = self.filter.line_out(state, line.length, end, sd)?;
-            flying.health.length(nis);
-        } else {
-            let sd = beside(S::lit(FIXED_RATE_SD), yields * S::lit(3.0));
-            self.filter.radial_rate(state, S::zero(), sd)?;
-        }
-        Ok(())
-    }
-
-    /// What the winch measured, and then how fast it did.
-    fn take_payout(&self, flying: &mut FullFlightState<S>) -> Result<(), Fault> {
-        let Some(payout) = &mut flying.payout else {
-            return Ok(());
-        };
-        let (state, end) = (&mut flying.state, GroundEnd::Winch);
-        let length = payout.last.value;
-        if core::mem::take(&mut payout.is_new) {
-            flying.load.length_out = length;
-            flying.is_rate_next = true;
-            let nis = self.filter.line_out(state, length, end, S::lit(PAYOUT_SD))?;
-            flying.health.length(nis);
-        } else if core::mem::take(&mut flying.is_rate_next) {
-            let yields = self.filter.model.chord(state, length, end).softness;
-            let sd = beside(S::lit(PAYOUT_RATE_SD), yields * S::lit(3.0));
-            self.filter.radial_rate(state, payout.rate, sd)?;
-        }
-        Ok(())
     }
 
     /// What is known; whether the filters beside it have diverged.
@@ -550,9 +373,4 @@ fn position_sd<S: Scalar>(state: &FullState<S>) -> V3<S> {
     let is_windy = wind.x * wind.x + wind.y * wind.y > S::lit(WINDY * WINDY);
     let more = if is_windy { S::lit(WINDY_VARIANCE) } else { S::one() };
     V3::new((variances.x * more).sqrt(), (variances.y * more).sqrt(), variances.z.sqrt())
-}
-
-/// Standard deviation of two independent errors together.
-fn beside<S: Scalar>(one: S, other: S) -> S {
-    (one * one + other * other).sqrt()
 }

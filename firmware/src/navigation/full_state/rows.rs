@@ -1,0 +1,105 @@
+//! Height, length and its rate, a winch's tension: one row in a step.
+
+use super::{FullFlight, FullFlightState, Intent};
+use crate::estimate::Fault;
+use crate::estimate::full_state::GroundEnd;
+use crate::scalar::Scalar;
+
+/// Of a payout, m.
+const PAYOUT_SD: f64 = 0.03;
+/// Of the chord's rate, m/s.
+const FIXED_RATE_SD: f64 = 0.30;
+const PAYOUT_RATE_SD: f64 = 0.60;
+/// Of a winch's set-point, N, taken on every fourth step.
+const WINCH_SD: f64 = 1.41;
+/// Level velocity while the line is slack, m/s.
+const SLACK_VELOCITY_SD: f64 = 1.2;
+
+impl<S: Scalar> FullFlight<S> {
+    /// One row in a step, the one that has waited: none of its milliseconds is much dearer than another.
+    pub(super) fn try_locate(
+        &self,
+        flying: &mut FullFlightState<S>,
+        intent: &Intent<S>,
+    ) -> Result<(), Fault> {
+        let is_winch = self.fixed_line.is_none();
+        match flying.tick % 4 {
+            0 if is_winch && flying.load.is_taut => {
+                let (state, out) = (&mut flying.state, flying.load.length_out);
+                self.filter.ground_tension(state, intent.tension, out, S::lit(WINCH_SD))?;
+            }
+            _ if flying.altitude.is_some() => self.take_altitude(flying, intent)?,
+            _ if !flying.load.is_taut => {}
+            _ if is_winch => self.take_payout(flying)?,
+            _ => self.take_fixed_length(flying)?,
+        }
+        Ok(())
+    }
+
+    fn take_altitude(
+        &self,
+        flying: &mut FullFlightState<S>,
+        intent: &Intent<S>,
+    ) -> Result<(), Fault> {
+        let Some(altitude) = flying.altitude.take() else {
+            return Ok(());
+        };
+        let state = &mut flying.state;
+        if !flying.load.is_taut && !flying.is_gone {
+            let wanted = intent.velocity.0;
+            let sd = S::lit(SLACK_VELOCITY_SD);
+            self.filter.level_velocity(state, [wanted.x, wanted.y], sd)?;
+        }
+        if flying.is_barometric && altitude.is_ranged {
+            state.renew_altimeter(self.start.altimeter_bias);
+        }
+        flying.is_barometric = !altitude.is_ranged;
+        let nis = self.filter.altimeter(state, altitude.value, self.altimeter_sd)?;
+        flying.health.altimeter(nis);
+        Ok(())
+    }
+
+    /// The line's stretched length and that it does not grow, in turn.
+    fn take_fixed_length(&self, flying: &mut FullFlightState<S>) -> Result<(), Fault> {
+        let Some(line) = &self.fixed_line else {
+            return Ok(());
+        };
+        let (state, end) = (&mut flying.state, GroundEnd::Fixed);
+        let yields = self.filter.model.chord(state, line.length, end).softness;
+        flying.is_rate_next = !flying.is_rate_next;
+        if flying.is_rate_next {
+            let sd = beside(self.fixed_sd, yields);
+            let nis = self.filter.line_out(state, line.length, end, sd)?;
+            flying.health.length(nis);
+        } else {
+            let sd = beside(S::lit(FIXED_RATE_SD), yields * S::lit(3.0));
+            self.filter.radial_rate(state, S::zero(), sd)?;
+        }
+        Ok(())
+    }
+
+    /// What the winch measured, and then how fast it did.
+    fn take_payout(&self, flying: &mut FullFlightState<S>) -> Result<(), Fault> {
+        let Some(payout) = &mut flying.payout else {
+            return Ok(());
+        };
+        let (state, end) = (&mut flying.state, GroundEnd::Winch);
+        let length = payout.last.value;
+        if core::mem::take(&mut payout.is_new) {
+            flying.load.length_out = length;
+            flying.is_rate_next = true;
+            let nis = self.filter.line_out(state, length, end, S::lit(PAYOUT_SD))?;
+            flying.health.length(nis);
+        } else if core::mem::take(&mut flying.is_rate_next) {
+            let yields = self.filter.model.chord(state, length, end).softness;
+            let sd = beside(S::lit(PAYOUT_RATE_SD), yields * S::lit(3.0));
+            self.filter.radial_rate(state, payout.rate, sd)?;
+        }
+        Ok(())
+    }
+}
+
+/// Standard deviation of two independent errors together.
+fn beside<S: Scalar>(one: S, other: S) -> S {
+    (one * one + other * other).sqrt()
+}
