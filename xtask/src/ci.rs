@@ -111,7 +111,7 @@ fn experiments() -> Outcome {
         ("angle-flight", 4),
         ("thrust-flight", 2),
         ("line-flights", 1),
-        ("fullstate-table", 2),
+        ("fullstate-table", 5),
         ("fixed-point", 1),
         ("pendulum-sweeps", 1),
         ("pendulum-flight", 2),

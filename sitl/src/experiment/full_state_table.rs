@@ -2,6 +2,7 @@
 //! other lines, landings in a storm.
 
 use super::flown::why_lost;
+use super::full_state_picture::FullStatePicture;
 use super::{Compare, Overrides, Report};
 use crate::campaign::parallel;
 use crate::flight::Flight;
@@ -171,6 +172,8 @@ pub fn run(settings: &Overrides) -> Result<Report, String> {
             add(&mut report, group, (wind, limit), &seeds, &flown?);
         }
     }
+    let picture = FullStatePicture::fly(settings.seed)?;
+    report.picture("full-state.svg", move |path| picture.draw(path));
     report.notes.push(format!(
         "Root mean square over {} seeds, Tether Hold, moves included: the estimate's error in three coordinates, and \
          the truth's distance from its set-point. Limits: `fullstate` section 26.",

@@ -5,6 +5,7 @@ mod angle_flight;
 mod conference;
 mod fixed_flight;
 mod flown;
+mod full_state_picture;
 mod full_state_table;
 mod journal;
 mod line_flights;
