@@ -24,7 +24,7 @@ pub(crate) struct Setpoints<S: Scalar> {
 }
 
 impl<S: Scalar> Setpoints<S> {
-    /// Tension that is asked for now, N.
+    /// Tension asked in this step, its movement included, N.
     pub fn pull(&self) -> S {
         self.tension + self.dither
     }

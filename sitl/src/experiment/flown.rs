@@ -1,7 +1,9 @@
 //! A mission flown to its end, and why it counts as lost.
 
+use crate::campaign::parallel;
 use crate::flight::{Flight, Progress};
 use crate::metrics::Summary;
+use crate::scenario::Scenario;
 use std::io::Write;
 use tautline_firmware::signal::Severity;
 
@@ -21,4 +23,18 @@ pub fn why_lost<W: Write>(flight: &Flight<W>) -> Option<String> {
     let event =
         events().find(|event| event.severity <= Severity::Critical).or(events().next_back());
     Some(format!("not flown: {}", event.map_or_else(|| "nothing".into(), ToString::to_string)))
+}
+
+/// How a flight went, and why it counts as lost.
+pub type Flown = (Summary, Option<String>);
+
+/// A scenario flown with each seed, for `longest` simulated s at most.
+pub fn fly_all(scenario: &Scenario, seeds: &[u64], longest: f64) -> Result<Vec<Flown>, String> {
+    let params = scenario.params().map_err(|e| e.0)?;
+    let fly = |seed: &u64| -> Result<Flown, String> {
+        let mut flight = Flight::unrecorded(scenario, params, *seed).map_err(|e| e.0)?;
+        flight.fly(longest);
+        Ok((flight.metrics.summary(), why_lost(&flight)))
+    };
+    parallel::map(seeds, parallel::cores(), fly, |_| {}).into_iter().collect()
 }

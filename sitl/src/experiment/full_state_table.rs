@@ -1,12 +1,10 @@
 //! The full-state filter from the ground to the ground, beside the specification's figures and limits: holds, moves,
 //! other lines, landings in a storm.
 
-use super::flown::why_lost;
+use super::flown::{Flown, fly_all};
 use super::full_state_picture::FullStatePicture;
 use super::{Compare, Overrides, Report};
-use crate::campaign::parallel;
-use crate::flight::Flight;
-use crate::metrics::{Spread, Summary};
+use crate::metrics::Spread;
 use crate::scenario::Scenario;
 
 /// Flights of each, and the longest, simulated s.
@@ -160,16 +158,8 @@ pub fn run(settings: &Overrides) -> Result<Report, String> {
     for group in &GROUPS {
         for &(wind, limit) in group.cells {
             let scenario = settings.on(group.scenario(wind)?)?;
-            let params = scenario.params().map_err(|e| e.0)?;
-            let fly = |seed: &u64| -> Result<(Summary, Option<String>), String> {
-                let flight = Flight::unrecorded(&scenario, params, *seed);
-                let mut flight = flight.map_err(|e| e.0)?;
-                flight.fly(LONGEST);
-                Ok((flight.metrics.summary(), why_lost(&flight)))
-            };
-            let flown: Result<Vec<_>, String> =
-                parallel::map(&seeds, parallel::cores(), fly, |_| {}).into_iter().collect();
-            add(&mut report, group, (wind, limit), &seeds, &flown?);
+            let flown = fly_all(&scenario, &seeds, LONGEST)?;
+            add(&mut report, group, (wind, limit), &seeds, &flown);
         }
     }
     let picture = FullStatePicture::fly(settings.seed)?;
@@ -187,7 +177,7 @@ fn add(
     group: &Group,
     (wind, limit): (f64, Option<f64>),
     seeds: &[u64],
-    flown: &[(Summary, Option<String>)],
+    flown: &[Flown],
 ) {
     let name = format!("{}, {wind} m/s", group.name);
     let mut lost = 0;

@@ -1,10 +1,8 @@
 //! Flights on lines that weigh: take-off, hold, landing on the chain, calm and in wind that drags on the line.
 
-use super::flown::{Figure, why_lost};
+use super::flown::{Figure, Flown, fly_all};
 use super::{Compare, Overrides, Report};
-use crate::campaign::parallel;
-use crate::flight::Flight;
-use crate::metrics::{Spread, Summary};
+use crate::metrics::Spread;
 use crate::scenario::Scenario;
 
 /// Flights of each, and the longest, simulated s.
@@ -125,16 +123,8 @@ pub fn run(settings: &Overrides) -> Result<Report, String> {
     for row in &ROWS {
         for wind in WINDS {
             let scenario = settings.on(row.scenario(wind)?)?;
-            let params = scenario.params().map_err(|e| e.0)?;
-            let fly = |seed: &u64| -> Result<(Summary, Option<String>), String> {
-                let flight = Flight::unrecorded(&scenario, params, *seed);
-                let mut flight = flight.map_err(|e| e.0)?;
-                flight.fly(LONGEST);
-                Ok((flight.metrics.summary(), why_lost(&flight)))
-            };
-            let flown: Result<Vec<_>, String> =
-                parallel::map(&seeds, parallel::cores(), fly, |_| {}).into_iter().collect();
-            add(&mut report, row, wind, &seeds, &flown?);
+            let flown = fly_all(&scenario, &seeds, LONGEST)?;
+            add(&mut report, row, wind, &seeds, &flown);
         }
     }
     report.notes.push(format!(
@@ -145,13 +135,7 @@ pub fn run(settings: &Overrides) -> Result<Report, String> {
     Ok(report)
 }
 
-fn add(
-    report: &mut Report,
-    row: &Row,
-    wind: f64,
-    seeds: &[u64],
-    flown: &[(Summary, Option<String>)],
-) {
+fn add(report: &mut Report, row: &Row, wind: f64, seeds: &[u64], flown: &[Flown]) {
     let name = format!("{}, {wind} m/s", row.name);
     let lost: Vec<_> = seeds
         .iter()
