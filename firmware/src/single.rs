@@ -121,7 +121,7 @@ single! {
     Capture { position, heading }
     Battery { voltage, current, drawn, cell, remaining }
     Sensors {
-        imu, altitude, tether_length, capture, rod, line, battery;
+        imu, altitude, tether_length, capture, velocity, rod, line, battery;
         imu_health, altitude_is_fresh, altitude_is_ranged, tether_is_fresh, imu_temperature
     }
     LineSensors { direction, tension, station_tension, station_direction, magnetic, second_imu }
@@ -130,7 +130,7 @@ single! {
     Estimate {
         attitude, rate, gyro_bias, height, climb, position, velocity, tether, position_sd, air_force, thrust,
         health;
-        restarts, tether_is_gone, source, is_levelled, has_diverged
+        restarts, tether_is_gone, aids, source, is_levelled, has_diverged
     }
     FlightReference { position, velocity, yaw, tension }
     PlanarReference { elevation, second }

@@ -93,7 +93,9 @@ fn steps_2<S: Scalar>() -> Vec<(&'static str, Step<S>)> {
                 if c["elastic"].as_bool().unwrap() { GroundEnd::Fixed } else { GroundEnd::Winch };
             Some(f.line_out(x, s(c, "S"), end, s(c, "sd")).unwrap())
         }),
-        ("cell", |f, x, c| Some(f.ground_tension(x, s(c, "z"), s(c, "S"), s(c, "sd")).unwrap())),
+        ("cell", |f, x, c| {
+            Some(f.end_tension(x, DirectionEnd::Ground, s(c, "z"), s(c, "S"), s(c, "sd")).unwrap())
+        }),
         ("dir_vehicle", |f, x, c| direction(f, x, DirectionEnd::Vehicle, c)),
         ("dir_ground", |f, x, c| direction(f, x, DirectionEnd::Ground, c)),
         ("pos", |f, x, c| Some(f.level_position(x, pair(c), s(c, "sd")).unwrap())),

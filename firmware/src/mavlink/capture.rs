@@ -15,6 +15,8 @@ use crate::time::{Micros, Sample};
 /// ODOMETRY: frames understood. LOCAL_FRD is taken as NED, as its sender's heading decides.
 const LOCAL_NED: u8 = 1;
 const LOCAL_FRD: u8 = 20;
+/// Of its velocity: child_frame_id stands behind frame_id.
+const BODY_FRD: u8 = 12;
 /// Where DEBUG_VECT's name stands, and the one that is read.
 const NAME: usize = 20;
 const ROD: &[u8] = b"rod";
@@ -45,7 +47,16 @@ impl Session {
         if !matches!(frame.byte(228), LOCAL_NED | LOCAL_FRD) {
             return self.refuse();
         }
-        self.captured(now, three(frame, 8), heading(four(frame, 20)));
+        let position = three(frame, 8);
+        let velocity = three(frame, 36);
+        let has_velocity = frame.byte(229) == BODY_FRD && velocity.iter().all(|x| x.is_finite());
+        if has_velocity {
+            self.sensors.velocity = Some(Sample { at: now, value: velocity });
+        }
+        // A flow sensor's computer knows no place.
+        if !has_velocity || position.iter().all(|x| x.is_finite()) {
+            self.captured(now, position, heading(four(frame, 20)));
+        }
     }
 
     pub(super) fn vision_position(&mut self, now: Micros, frame: &Frame) {

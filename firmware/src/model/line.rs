@@ -9,7 +9,7 @@ use super::TetherKind;
 use crate::math::GRAVITY;
 use crate::param::Params;
 use crate::scalar::Scalar;
-use crate::signal::SphericalPoint;
+use crate::signal::{Aid, AidSet, SphericalPoint};
 
 /// A chord shorter than its line by less than this is not told from it, m.
 const SAG_MAX: f32 = 0.03;
@@ -40,6 +40,12 @@ impl<S: Scalar> Line<S> {
 }
 
 impl Line<f32> {
+    /// Whether a load cell counts in the filter.
+    #[must_use]
+    pub fn has_cell(p: &Params) -> bool {
+        AidSet::from_parameter(p.aids).contains(Aid::Cell)
+    }
+
     /// Whether the chord is the line, to what a length is measured to: at the set-point, with as much out as may be.
     #[must_use]
     pub fn is_straight(p: &Params, kind: TetherKind) -> bool {
@@ -50,10 +56,11 @@ impl Line<f32> {
     }
 
     /// By how much the tension is moved to see where the line points, N. A line that hangs in a curve swings with it, and
-    /// shows nothing but that.
+    /// shows nothing but that, unless a cell says how it pulls.
     #[must_use]
     pub fn dither(p: &Params, kind: TetherKind) -> f32 {
-        if Self::is_straight(p, kind) { p.dither } else { 0.0 }
+        let is_seen = Self::is_straight(p, kind) || (!kind.has_winch() && Self::has_cell(p));
+        if is_seen { p.dither } else { 0.0 }
     }
 }
 

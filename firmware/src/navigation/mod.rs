@@ -4,6 +4,7 @@
 //! [`Estimate`] out; the filters themselves stand in [`crate::estimate`].
 
 mod alignment;
+mod compass;
 mod decimator;
 mod divergence;
 mod full_state;
@@ -21,9 +22,10 @@ use crate::math::GRAVITY;
 use crate::math::filter::{Biquad, first_order};
 use crate::param::Params;
 use crate::scalar::Scalar;
-use crate::signal::{Estimate, FilterHealth, Imu, PositionSource, Sensors};
+use crate::signal::{AidReport, Capture, Estimate, FilterHealth, Imu, PositionSource, Sensors};
 use crate::time::{Micros, OUTER_DT, Sample};
 use alignment::{Alignment, AlignmentState, Stance};
+use compass::Compass;
 use decimator::Decimator;
 use full_state::Height;
 use lift_off::{LiftOff, LiftOffState};
@@ -48,6 +50,7 @@ pub enum Phase {
 #[derive(Clone, Copy, Debug)]
 pub struct Navigation<S: Scalar> {
     alignment: Alignment<S>,
+    compass: Compass<S>,
     vertical: VerticalFilter<S>,
     thrust: ThrustModel<S>,
     lift_off: LiftOff<S>,
@@ -68,6 +71,8 @@ pub struct NavigationState<S: Scalar> {
     altitude_at: Option<Micros>,
     pending_altitude: Option<S>,
     pending_length: Option<Sample<S>>,
+    pending_place: Option<Sample<Capture<S>>>,
+    pending_velocity: Option<Sample<Body<V3<S>>>>,
     rate: V3<S>,
     last_thrust: S,
     average: Imu<S>,
@@ -80,6 +85,7 @@ impl<S: Scalar> Navigation<S> {
     pub fn new(p: &Params, accel_filter: Biquad<S>, imu_rate_hz: f32) -> Self {
         Self {
             alignment: Alignment::new(p, imu_rate_hz),
+            compass: Compass::new(p),
             vertical: VerticalFilter { bandwidth: S::lit(3.0), fade: S::lit(5.0) },
             thrust: ThrustModel {
                 lag: first_order(p.motor_tau, 1.0 / imu_rate_hz),
@@ -106,6 +112,8 @@ impl<S: Scalar> Navigation<S> {
             altitude_at: None,
             pending_altitude: None,
             pending_length: None,
+            pending_place: None,
+            pending_velocity: None,
             rate: V3::zeros(),
             last_thrust: S::zero(),
             average: Imu { gyro: Body(V3::zeros()), accel: Body(V3::zeros()) },
@@ -150,6 +158,8 @@ impl<S: Scalar> Navigation<S> {
             state.pending_altitude = Some(altitude.value);
         }
         state.pending_length = sensors.tether_length.or(state.pending_length);
+        state.pending_place = sensors.capture.or(state.pending_place);
+        state.pending_velocity = sensors.velocity.or(state.pending_velocity);
         if let Some(sample) = &sensors.capture
             && self.position.receive(&mut state.position, sample)
             && let Some(heading) = sample.value.heading
@@ -178,6 +188,10 @@ impl<S: Scalar> Navigation<S> {
         self.position.predict(&mut state.position, &force);
         match phase {
             Phase::Resting => {
+                let field = sensors.line.magnetic;
+                if let Some(deviation) = self.compass.deviation(&sit.attitude, field) {
+                    Alignment::follow(sit, deviation);
+                }
                 if let Some(attitude) = self.position.rest(&mut state.position) {
                     sit.attitude = attitude;
                 }
@@ -211,6 +225,9 @@ impl<S: Scalar> Navigation<S> {
                 .take()
                 .map(|value| Height { value, is_ranged: sensors.altitude_is_ranged }),
             length: state.pending_length.take(),
+            line: &sensors.line,
+            place: state.pending_place.take(),
+            velocity: state.pending_velocity.take(),
         };
         self.position.step(&mut state.position, &z);
     }
@@ -257,6 +274,7 @@ impl<S: Scalar> Navigation<S> {
             air_force: World(V3::zeros()),
             restarts: 0,
             tether_is_gone: false,
+            aids: AidReport::default(),
             source: PositionSource::None,
             thrust: state.last_thrust,
             health: FilterHealth::default(),

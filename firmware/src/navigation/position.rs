@@ -8,7 +8,9 @@ use crate::frames::{Attitude, V3, World};
 use crate::model::{Line, TetherKind};
 use crate::param::Params;
 use crate::scalar::Scalar;
-use crate::signal::{Capture, Estimate, FilterHealth, PositionSource, SphericalPoint, TetherState};
+use crate::signal::{
+    AidReport, Capture, Estimate, FilterHealth, PositionSource, SphericalPoint, TetherState,
+};
 use crate::time::{Micros, Sample};
 
 /// One standard deviation of the place on the ground, m.
@@ -62,6 +64,7 @@ pub(super) struct Found<S: Scalar> {
     pub middle_tension: S,
     pub is_taut: bool,
     pub is_gone: bool,
+    pub aids: AidReport,
     pub sd: V3<S>,
     /// Over mass, m/s².
     pub air_force: World<V3<S>>,
@@ -80,6 +83,7 @@ impl<S: Scalar> Found<S> {
             middle_tension: S::zero(),
             is_taut: true,
             is_gone: false,
+            aids: AidReport::default(),
             sd: V3::repeat(S::lit(PLACE_SD)),
             air_force: World(V3::zeros()),
             health: FilterHealth::default(),
@@ -238,6 +242,7 @@ impl<S: Scalar> PositionFilter<S> {
             air_force: found.air_force,
             restarts: found.restarts,
             tether_is_gone: found.is_gone,
+            aids: found.aids,
             source: if known { found.source } else { PositionSource::None },
             has_diverged: found.has_diverged,
             health: found.health,

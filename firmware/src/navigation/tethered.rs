@@ -2,7 +2,7 @@
 //! the full-state filter, which then is what flies and begins anew from them.
 
 use super::divergence::{Divergence, DivergenceState};
-use super::full_state::{FullFlight, FullFlightState, Height, Intent, Known};
+use super::full_state::{FullFlight, FullFlightState, Height, Intent, Known, Readings};
 use super::position::Found;
 use super::slackness::{Slackness, SlacknessState};
 use crate::estimate::{
@@ -14,7 +14,7 @@ use crate::math::so3;
 use crate::model::{Line, TetherKind};
 use crate::param::Params;
 use crate::scalar::Scalar;
-use crate::signal::{Imu, PositionSource};
+use crate::signal::{Capture, Imu, LineSensors, PositionSource};
 use crate::time::{OUTER_DT, Sample};
 
 /// Configuration.
@@ -51,6 +51,10 @@ pub(super) struct TetheredInput<'a, S: Scalar> {
     pub thrust: S,
     pub altitude: Option<Height<S>>,
     pub length: Option<Sample<S>>,
+    /// For the full-state filter.
+    pub line: &'a LineSensors<S>,
+    pub place: Option<Sample<Capture<S>>>,
+    pub velocity: Option<Sample<Body<V3<S>>>>,
 }
 
 /// Part of the full-state filter's step, one in each millisecond.
@@ -139,7 +143,8 @@ impl<S: Scalar> Tethered<S> {
             length: payout.map(|length| length.value).or_else(fixed),
         };
         if let (Some(config), Some(full)) = (&self.full, &mut state.full) {
-            config.receive(full, z.altitude, payout);
+            let (line, place, velocity) = (z.line, z.place, z.velocity);
+            config.receive(full, &Readings { altitude: z.altitude, payout, line, place, velocity });
             if full.is_touching {
                 config.bounce(full, z.sit);
             }

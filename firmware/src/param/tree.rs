@@ -171,6 +171,18 @@ params! {
         full_altimeter_sd: "EST_ALT_SD" Real ["m"] = 0.08 in 0.01 ..= 2.0;
         /// Full state: velocity noise density; 0.15 over a moving anchor.
         full_velocity_noise: "EST_VEL_NOISE" Real ["m/s/sqrt(s)"] = 0.02 in 0.001 ..= 2.0;
+        /// Full state: sensors that count, each by its bit: 0 line angles at the vehicle, 1 line direction at the station (before bit 0), 2 load cell, 3 compass, 4 position and 5 velocity by ODOMETRY. With bit 3 the start heading is the compass'.
+        aids: "EST_AIDS" Int [""] = 0.0 in 0.0 ..= 63.0;
+        /// Full state: noise of the line's direction, standard deviation, at 60 Hz.
+        direction_sd: "EST_DIR_SD" Real ["rad"] = 0.04 in 0.001 ..= 0.2;
+        /// Full state: share of the wind's force on the vehicle that comes through the line, which it bends.
+        line_bow: "EST_BOW" Real [""] = 0.1 in 0.0 ..= 0.5;
+        /// Full state: noise of a position by ODOMETRY, standard deviation.
+        place_sd: "EST_POS_SD" Real ["m"] = 0.03 in 0.001 ..= 5.0;
+        /// Full state: noise of a velocity by ODOMETRY, standard deviation.
+        flow_sd: "EST_ODO_SD" Real ["m/s"] = 0.13 in 0.01 ..= 2.0;
+        /// Declination: by how much the earth's field points East of North.
+        declination: "EST_MAG_DECL" Real ["rad"] = 0.0 in -3.2 ..= 3.2;
         /// Rest before the gyro bias and the level are taken.
         levelling_time: "EST_LEVEL_T" Real ["s"] = 3.0 in 0.5 ..= 30.0;
         /// Low-passed innovation test ratio beyond which the estimate counts as diverged.

@@ -54,6 +54,8 @@ pub struct RawSensors {
     pub line: RawLineSensors,
     /// Motion capture of the vehicle.
     pub capture: Option<Sample<RawCapture>>,
+    /// Against the ground, nose, right, down, m/s.
+    pub velocity: Option<Sample<[f32; 3]>>,
     /// Motion capture of a rod on top: vehicle → load, NED, any length.
     pub rod: Option<Sample<[f32; 3]>>,
 }
@@ -61,7 +63,7 @@ pub struct RawSensors {
 impl RawSensors {
     /// Takes what is newer. Every field by name: one that is forgotten here does not compile.
     pub fn merge(&mut self, newer: Self) {
-        let Self { imu, barometer, range, battery, tether, line, capture, rod } = newer;
+        let Self { imu, barometer, range, battery, tether, line, capture, velocity, rod } = newer;
         if !line.is_empty() {
             self.line.merge(line);
         }
@@ -71,6 +73,7 @@ impl RawSensors {
         take(&mut self.battery, battery);
         take(&mut self.tether, tether);
         take(&mut self.capture, capture);
+        take(&mut self.velocity, velocity);
         take(&mut self.rod, rod);
     }
 }
@@ -176,6 +179,10 @@ impl<S: Scalar> Sense<S> {
             altitude,
             tether_length,
             capture: raw.capture.and_then(captured),
+            velocity: raw.velocity.and_then(|sample| {
+                let World(value) = finite(sample.value)?;
+                Some(Sample { at: sample.at, value: Body(value) })
+            }),
             rod: raw.rod.and_then(|sample| {
                 let value = finite(sample.value)?;
                 Some(Sample { at: sample.at, value })

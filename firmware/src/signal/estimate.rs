@@ -1,5 +1,6 @@
 //! What is known of the vehicle. What an estimator cannot observe is `None`.
 
+use super::AidReport;
 use crate::frames::{Attitude, Body, V3, World};
 use crate::scalar::Scalar;
 
@@ -74,6 +75,8 @@ pub struct Estimate<S: Scalar = f32> {
     pub air_force: World<V3<S>>,
     /// The line that should hold the vehicle does not.
     pub tether_is_gone: bool,
+    /// Sensors that should help the position filter and do not.
+    pub aids: AidReport,
     /// How often the position filter began anew in this flight.
     pub restarts: u16,
     /// Who says where the vehicle is.

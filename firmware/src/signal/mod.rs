@@ -1,5 +1,6 @@
 //! Plain data between the stages. Missing is `None`; never NaN, never zero.
 
+mod aid;
 mod command;
 mod estimate;
 mod event;
@@ -9,6 +10,7 @@ mod reference;
 mod request;
 mod sensors;
 
+pub use aid::{Aid, AidReport, AidSet};
 pub use command::{Actuation, MixerReport, WinchCommand, Wrench};
 pub use estimate::{Estimate, FilterHealth, PositionSource, TetherState};
 pub use event::{Amount, Event, EventQueue, Severity, TEXT_MAX};

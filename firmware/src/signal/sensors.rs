@@ -117,6 +117,8 @@ pub struct Sensors<S: Scalar = f32> {
     pub tether_length: Option<Sample<S>>,
     /// `None`: nothing new this tick.
     pub capture: Option<Sample<Capture<S>>>,
+    /// Against the ground, m/s. `None`: nothing new this tick.
+    pub velocity: Option<Sample<Body<V3<S>>>>,
     /// Direction of the rod on top, vehicle → load, any length. `None`: nothing new this tick.
     pub rod: Option<Sample<World<V3<S>>>>,
     /// Of the line's own sensors.

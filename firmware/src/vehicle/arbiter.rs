@@ -5,7 +5,7 @@ use crate::control::{PositionState, RadialControl};
 use crate::mode::refusal::NOT_BUILT;
 use crate::mode::{Context, Entry, Exit, Refusal, denied, rejected};
 use crate::scalar::Scalar;
-use crate::signal::{Action, CLOSED_THROTTLE, Event, EventQueue, Sensors};
+use crate::signal::{Action, Aid, AidSet, CLOSED_THROTTLE, Event, EventQueue, Sensors};
 use crate::supervisor::{
     ArmingCheck, ArmingFacts, FailsafeAction, FailsafeFacts, FailsafeState, Failure, GroundState,
     Rest, TouchDownState,
@@ -237,8 +237,9 @@ impl<S: Scalar> Vehicle<S> {
         if self.mode.mode().lands() {
             self.mode.rest(&cx);
         }
-        if self.config.constants.radial_control == RadialControl::Free {
-            // Nothing points anywhere: as it was put down.
+        let has_compass = AidSet::from_parameter(self.params.aids).contains(Aid::Compass);
+        if has_compass || self.config.constants.radial_control == RadialControl::Free {
+            // As it was put down.
             let (.., yaw) = cx.situation.estimate.attitude.euler();
             self.mode.handover_mut().heading = yaw;
         }

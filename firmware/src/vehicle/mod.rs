@@ -33,8 +33,8 @@ use crate::param::Params;
 use crate::scalar::Scalar;
 use crate::sense::{ImuScale, SenseState};
 use crate::signal::{
-    Actuation, Event, EventQueue, MixerReport, Reply, Request, Sensors, Ticket, WinchCommand,
-    Wrench,
+    Actuation, Estimate, Event, EventQueue, MixerReport, Reply, Request, Sensors, Ticket,
+    WinchCommand, Wrench,
 };
 use crate::supervisor::{FailsafeState, GroundState, TouchDownState};
 use crate::time::{INNER_DT, Micros};
@@ -328,10 +328,17 @@ impl<S: Scalar> Vehicle<S> {
         if stage != Stage::Judge {
             return false;
         }
-        let restarts = situation.estimate.restarts;
+        let Estimate { restarts, aids, .. } = situation.estimate;
         situation.estimate = navigation.estimate(&situation.navigation);
         if situation.estimate.restarts > restarts {
             events.push(Event::warning("Position filter began anew"));
+        }
+        let now = situation.estimate.aids;
+        for aid in now.rejected.without(aids.rejected).iter() {
+            events.push(Event::warning(aid.contradiction()));
+        }
+        for aid in now.silent.without(aids.silent).iter() {
+            events.push(Event::warning(aid.silence()));
         }
         true
     }

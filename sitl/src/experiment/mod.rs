@@ -21,6 +21,7 @@ mod taut_flight;
 mod tether_angle;
 mod thrust;
 mod thrust_flight;
+mod which_sensor;
 
 pub use report::{Band, Compare, Line, Picture, Report};
 
@@ -122,7 +123,7 @@ const PENDULUM: &str = "Yang, Reis, Yu & Silvestre, flying inverted pendulum";
 const BOTH_SENSING: &str = "both sensing papers; `inertial`, `localization`";
 
 /// All of them.
-pub const EXPERIMENTS: [Experiment; 32] = [
+pub const EXPERIMENTS: [Experiment; 33] = [
     Experiment {
         key: "planar-nominal",
         paper: JOURNAL,
@@ -283,6 +284,13 @@ pub const EXPERIMENTS: [Experiment; 32] = [
         figure: "`fullstate`, sections 13, 17, 22, 24 to 26",
         about: "the full-state filter with its moving tension, from the ground to the ground, in wind",
         run: full_state_table::run,
+    },
+    Experiment {
+        key: "which-sensor",
+        paper: "our own",
+        figure: "`fullstate`, section 21",
+        about: "what each sensor buys in which wind, with and without the moving tension",
+        run: which_sensor::run,
     },
     Experiment {
         key: "line-flights",

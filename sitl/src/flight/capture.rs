@@ -72,7 +72,11 @@ impl MotionCapture {
 
     fn frames(&mut self, now_us: u64, plant: &Plant, is_rod_visible: bool) -> Vec<Vec<u8>> {
         let body = &plant.body;
-        let [x, y, z] = self.with_noise(body.position, self.model.position_noise);
+        let place = self.with_noise(body.position, self.model.position_noise);
+        let [x, y, z] = if self.model.position { place } else { [f32::NAN; 3] };
+        let own = body.attitude.inverse() * body.velocity * (1.0 + self.model.velocity_scale);
+        let noise = self.model.velocity_noise;
+        let [vx, vy, vz] = if noise > 0.0 { self.with_noise(own, noise) } else { [f32::NAN; 3] };
         let turn = V3::from_fn(|_, _| self.model.attitude_noise * normal(&mut self.rng));
         let attitude = body.attitude * UnitQuaternion::from_scaled_axis(turn);
         let pose = ODOMETRY_DATA {
@@ -81,9 +85,9 @@ impl MotionCapture {
             y,
             z,
             q: quaternion(&attitude).map(|x| x as f32),
-            vx: f32::NAN,
-            vy: f32::NAN,
-            vz: f32::NAN,
+            vx,
+            vy,
+            vz,
             frame_id: MavFrame::MAV_FRAME_LOCAL_NED,
             child_frame_id: MavFrame::MAV_FRAME_BODY_FRD,
             ..ODOMETRY_DATA::default()

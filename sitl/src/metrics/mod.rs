@@ -5,6 +5,7 @@ use crate::plant::TICK;
 
 mod angle;
 mod flown;
+mod interval;
 mod pendulum;
 mod place;
 mod spread;
@@ -12,6 +13,7 @@ mod taut;
 
 pub use angle::{AngleFlightSummary, AngleMetrics};
 pub use flown::{Metrics, Summary};
+pub use interval::Interval;
 pub use pendulum::{PendulumFlightSummary, PendulumMetrics};
 pub use place::{PlaceMetrics, PlaceSummary};
 pub use spread::Spread;

@@ -3,6 +3,7 @@
 use super::{Scenario, ScenarioError, TetherKind, set_param};
 use crate::sensor::NEWTON_PER_COUNT;
 use tautline_firmware::param::Params;
+use tautline_firmware::signal::Aid;
 
 impl Scenario {
     /// Where the vehicle stands: distance from the anchor, m, and heading, rad.
@@ -59,8 +60,25 @@ impl Scenario {
         ];
         // What is not fitted is not set up.
         let cell = if self.sensors.tension_cell { NEWTON_PER_COUNT } else { 0.0 };
-        let fitted = [("PND_LOAD", self.rod.load_mass), ("LNK_CELL_SCALE", cell)];
-        let known = known.into_iter().chain(fitted.into_iter().filter(|(_, value)| *value > 0.0));
+        let s = &self.sensors;
+        let aids = [
+            (Aid::Angles, s.vehicle_angles),
+            (Aid::Fairlead, s.ground_angles),
+            (Aid::Cell, s.tension_cell),
+            (Aid::Compass, s.magnetometer),
+            (Aid::Position, self.capture.rate > 0.0 && self.capture.position),
+            (Aid::Velocity, self.capture.rate > 0.0 && self.capture.velocity_noise > 0.0),
+        ];
+        let bit = |(aid, is_fitted): (Aid, bool)| f64::from(u8::from(is_fitted) << aid as u8);
+        let [north, east, _] = s.magnetic_field;
+        let declination = if s.magnetometer { east.atan2(north) } else { 0.0 };
+        let fitted = [
+            ("PND_LOAD", self.rod.load_mass),
+            ("LNK_CELL_SCALE", cell),
+            ("EST_AIDS", aids.into_iter().map(bit).sum()),
+            ("EST_MAG_DECL", declination),
+        ];
+        let known = known.into_iter().chain(fitted.into_iter().filter(|(_, value)| *value != 0.0));
         for (name, value) in known {
             set_param(&mut params, name, value as f32).map_err(ScenarioError)?;
         }

@@ -190,6 +190,12 @@ sections! {
         dropped: f64 [""] = 0.01, in 0.0 ..= 1.0;
         /// Standard deviation of the position, each axis.
         position_noise: f64 ["m"] = 1e-3, in 0.0 ..= 1.0;
+        /// Standard deviation of the velocity, each axis; zero: none is sent.
+        velocity_noise: f64 ["m/s"] = 0.0, in 0.0 ..= 10.0;
+        /// By which share more the velocity is shown than it is.
+        velocity_scale: f64 [""] = 0.0, in -0.5 ..= 0.5;
+        /// Whether the position is sent.
+        position: bool [""] = true;
         /// Standard deviation of the attitude, each axis.
         attitude_noise: f64 ["rad"] = 2e-3, in 0.0 ..= 1.0;
         /// Standard deviation of the rod's direction, each axis.

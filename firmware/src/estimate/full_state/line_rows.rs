@@ -6,7 +6,7 @@ use super::covariance::{GUST, OFFSET, POSITION, SCALARS, TILT, VELOCITY, WIND};
 use super::model::Sag;
 use super::rows::level_rows;
 use super::state::FullState;
-use super::update::Sparse;
+use super::update::{Outlier, Sparse};
 use crate::fault::Fault;
 use crate::frames::{M3, V3};
 use crate::math::{so3, wrap_pi};
@@ -24,9 +24,46 @@ pub enum DirectionEnd {
 /// An innovation beyond this is no direction of a taut line: a slack one hangs straight down, rad.
 const DIRECTION_REJECT: f64 = 0.35;
 
+/// How a direction is read, rad.
+#[derive(Clone, Copy)]
+enum Reading {
+    /// From the down axis towards another one.
+    FromDown(usize),
+    /// Of the opposite direction, from North.
+    Azimuth,
+    /// Of the opposite direction, over the horizon.
+    Elevation,
+}
+
+impl Reading {
+    /// What is read of a unit vector, its derivative, and the weight that both and the offset have.
+    fn of<S: Scalar>(self, b: &V3<S>) -> (S, V3<S>, S) {
+        let o = S::zero();
+        let level = (b.x * b.x + b.y * b.y).sqrt().max(S::lit(1e-3));
+        match self {
+            Self::FromDown(axis) => {
+                let mut unit = V3::zeros();
+                if let Some(own) = unit.get_mut(axis) {
+                    *own = S::one();
+                }
+                let along = so3::dot(&unit, b);
+                let squared = (along * along + b.z * b.z).max(S::lit(1e-9));
+                let gradient = (unit * b.z - V3::new(o, o, along)) / squared;
+                (along.atan2(b.z), gradient, S::one())
+            }
+            // Less is known of the azimuth of a steep line.
+            Self::Azimuth => ((-b.y).atan2(-b.x), V3::new(-b.y, b.x, o) / level, level),
+            Self::Elevation => {
+                let steep = -b.z / level;
+                (b.z.atan2(level), V3::new(b.x * steep, b.y * steep, level), S::one())
+            }
+        }
+    }
+}
+
 impl<S: Scalar> FullStateFilter<S> {
     /// The line's direction: its two angles from the down axis, towards the first and the second one, rad, by
-    /// `atan2`. An angle too far off is left out.
+    /// `atan2`. An angle too far off is left out, and counts as one on the gate in what is returned.
     ///
     /// # Errors
     /// [`Fault::NotFinite`]; the state is spoilt then. So for every row below.
@@ -35,6 +72,33 @@ impl<S: Scalar> FullStateFilter<S> {
         state: &mut FullState<S>,
         end: DirectionEnd,
         angles: [S; 2],
+        length_out: S,
+        sd: S,
+    ) -> Result<S, Fault> {
+        let readings = [Reading::FromDown(0), Reading::FromDown(1)];
+        self.direction(state, end, (readings, angles), length_out, sd)
+    }
+
+    /// The same at the ground by encoders of azimuth and elevation, rad, in which the line leaves the station.
+    ///
+    /// # Errors
+    /// As [`Self::line_direction`].
+    pub fn station_direction(
+        &self,
+        state: &mut FullState<S>,
+        angles: [S; 2],
+        length_out: S,
+        sd: S,
+    ) -> Result<S, Fault> {
+        let readings = [Reading::Azimuth, Reading::Elevation];
+        self.direction(state, DirectionEnd::Ground, (readings, angles), length_out, sd)
+    }
+
+    fn direction(
+        &self,
+        state: &mut FullState<S>,
+        end: DirectionEnd,
+        (readings, angles): ([Reading; 2], [S; 2]),
         length_out: S,
         sd: S,
     ) -> Result<S, Fault> {
@@ -69,9 +133,8 @@ impl<S: Scalar> FullStateFilter<S> {
         let b = to_own(t);
         let pull = to_own(by_tension);
         let o = S::zero();
-        let row = |axis: usize, along: S, unit: V3<S>| {
-            let squared = (along * along + b.z * b.z).max(S::lit(1e-9));
-            let by_b = (unit * b.z - V3::new(o, o, along)) / squared;
+        let row = |reading: Reading, axis: usize| {
+            let (expected, by_b, weight) = reading.of(&b);
             let world = to_world(by_b);
             let across_line = across(&world);
             let tilt = match end {
@@ -80,10 +143,11 @@ impl<S: Scalar> FullStateFilter<S> {
             };
             let mut offset = V3::zeros();
             if let Some(own) = offset.get_mut(axis) {
-                *own = S::one();
+                *own = weight;
             }
             Angle {
-                expected: along.atan2(b.z),
+                expected,
+                weight,
                 position: so3::reject(&across_line, u) * place,
                 tilt,
                 tension: V3::new(so3::dot(&by_b, &pull), o, o),
@@ -91,16 +155,15 @@ impl<S: Scalar> FullStateFilter<S> {
                 offset,
             }
         };
-        let first = row(0, b.x, V3::x_axis().into_inner());
-        let second = row(1, b.y, V3::y_axis().into_inner());
+        let [one, other] = readings;
+        let (first, second) = (row(one, 0), row(other, 1));
         let [first_offset, second_offset] = state.offset;
         let innovation = |read: S, row: &Angle<S>, offset: S| {
-            let nu = wrap_pi(read - row.expected - offset);
+            let nu = wrap_pi(read - row.expected - offset) * row.weight;
             (nu.abs() <= S::lit(DIRECTION_REJECT)).then_some(nu)
         };
-        let [north, east] = angles;
-        let nu =
-            [innovation(north, &first, first_offset), innovation(east, &second, second_offset)];
+        let [one, other] = angles;
+        let nu = [innovation(one, &first, first_offset), innovation(other, &second, second_offset)];
         let air = [first.air, second.air];
         let gust = if self.noise.gust.is_some() { air } else { [V3::zeros(); 2] };
         let rows = Sparse([
@@ -111,27 +174,34 @@ impl<S: Scalar> FullStateFilter<S> {
             (GUST, gust),
             (OFFSET, [first.offset, second.offset]),
         ]);
-        self.update(state, &rows, nu, sd * sd)
+        let left_out = nu.iter().filter(|nu| nu.is_none()).count();
+        let nis = self.update(state, &rows, nu, sd * sd, Outlier::LeftOut)?;
+        Ok(nis + S::lit(left_out as f64) * self.gate * self.gate)
     }
 
-    /// The tension at the ground, N: a cell's, or a winch's set-point on a heavy line.
+    /// The tension at one end of the line, N: a cell's, or at the ground a winch's set-point on a heavy line.
     ///
     /// # Errors
     /// As [`Self::line_direction`].
-    pub fn ground_tension(
+    pub fn end_tension(
         &self,
         state: &mut FullState<S>,
+        end: DirectionEnd,
         tension: S,
         length_out: S,
         sd: S,
     ) -> Result<S, Fault> {
         let u = self.model.direction(state);
         let mut n = u * state.tension;
-        n.z += self.model.curve_weight(length_out) * S::lit(0.5);
+        let half = self.model.curve_weight(length_out) * S::lit(0.5);
+        n.z += match end {
+            DirectionEnd::Ground => half,
+            DirectionEnd::Vehicle => -half,
+        };
         let size = so3::norm(&n).max(S::lit(1e-3));
         let (o, along) = (S::zero(), so3::dot(&u, &n) / size);
         let rows = Sparse([(SCALARS, [V3::new(along, o, o)])]);
-        self.update(state, &rows, [Some(tension - size)], sd * sd)
+        self.update(state, &rows, [Some(tension - size)], sd * sd, Outlier::Clamped)
     }
 
     /// Level place, North and East of the anchor, m, with the sensor's offset if there is one.
@@ -147,7 +217,7 @@ impl<S: Scalar> FullStateFilter<S> {
         let [first, second] = state.offset;
         let rows = Sparse([(POSITION, level_rows()), (OFFSET, level_rows())]);
         let nu = [Some(north - state.position.x - first), Some(east - state.position.y - second)];
-        self.update(state, &rows, nu, sd * sd)
+        self.update(state, &rows, nu, sd * sd, Outlier::LeftOut)
     }
 
     /// Velocity along the body's nose and right axes, m/s: an optical flow's.
@@ -167,13 +237,20 @@ impl<S: Scalar> FullStateFilter<S> {
             (VELOCITY, [so3::col_x(r), so3::col_y(r)]),
             (TILT, [so3::col_x(&turned), so3::col_y(&turned)]),
         ]);
-        self.update(state, &rows, [Some(ahead - own.x), Some(right - own.y)], sd * sd)
+        self.update(
+            state,
+            &rows,
+            [Some(ahead - own.x), Some(right - own.y)],
+            sd * sd,
+            Outlier::LeftOut,
+        )
     }
 }
 
 /// One angle and its derivatives.
 struct Angle<S: Scalar> {
     expected: S,
+    weight: S,
     position: V3<S>,
     tilt: V3<S>,
     tension: V3<S>,

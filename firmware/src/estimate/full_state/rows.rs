@@ -9,7 +9,7 @@ use super::covariance::{
 use super::model::{Geometry, GroundEnd, Load};
 use super::predict::attitude_e3;
 use super::state::FullState;
-use super::update::{Column, Rows, Sparse};
+use super::update::{Column, Outlier, Rows, Sparse};
 use crate::fault::Fault;
 use crate::frames::{M3, V3};
 use crate::math::{so3, wrap_pi};
@@ -112,7 +112,7 @@ impl<S: Scalar> FullStateFilter<S> {
     ) -> Result<S, Fault> {
         let (rows, expected) = self.accel_rows(state, load);
         let [nu] = (reading - expected).data.0;
-        self.update(state, &rows, nu.map(Some), self.accel_variance)
+        self.update(state, &rows, nu.map(Some), self.accel_variance, Outlier::Clamped)
     }
 
     /// Height over the anchor, m.
@@ -123,7 +123,7 @@ impl<S: Scalar> FullStateFilter<S> {
         let (o, one) = (S::zero(), S::one());
         let rows = Sparse([(POSITION, [V3::new(o, o, -one)]), (SCALARS, [V3::new(o, o, one)])]);
         let nu = height + state.position.z - state.altimeter_bias;
-        self.update(state, &rows, [Some(nu)], sd * sd)
+        self.update(state, &rows, [Some(nu)], sd * sd, Outlier::Clamped)
     }
 
     /// Distance from anchor to fastening, m, as measured.
@@ -164,7 +164,7 @@ impl<S: Scalar> FullStateFilter<S> {
             (TILT, [V3::new(-lever * body.y, lever * body.x, o)]),
             (SCALARS, [V3::new(by_tension, o, o)]),
         ]);
-        self.update(state, &rows, [Some(expected - g.length)], sd * sd)
+        self.update(state, &rows, [Some(expected - g.length)], sd * sd, Outlier::Clamped)
     }
 
     /// How fast the distance from the anchor grows, m/s: the payout's rate, zero for a fixed length.
@@ -176,7 +176,7 @@ impl<S: Scalar> FullStateFilter<S> {
         let across = so3::reject(&state.velocity, &g.u) / g.length;
         let rows = Sparse([(POSITION, [across]), (VELOCITY, [g.u])]);
         let nu = rate - so3::dot(&g.u, &state.velocity);
-        self.update(state, &rows, [Some(nu)], sd * sd)
+        self.update(state, &rows, [Some(nu)], sd * sd, Outlier::Clamped)
     }
 
     /// The chord's tension, N: what a winch without much line holds, or zero in slack.
@@ -186,7 +186,7 @@ impl<S: Scalar> FullStateFilter<S> {
     pub fn chord_tension(&self, state: &mut FullState<S>, tension: S, sd: S) -> Result<S, Fault> {
         let (o, one) = (S::zero(), S::one());
         let rows = Sparse([(SCALARS, [V3::new(one, o, o)])]);
-        self.update(state, &rows, [Some(tension - state.tension)], sd * sd)
+        self.update(state, &rows, [Some(tension - state.tension)], sd * sd, Outlier::Clamped)
     }
 
     /// Heading of the nose, rad from North.
@@ -197,7 +197,7 @@ impl<S: Scalar> FullStateFilter<S> {
         let r = &state.attitude.0;
         let rows = Sparse([(TILT, [so3::row_z(r)])]);
         let nu = wrap_pi(heading - r.m21.atan2(r.m11));
-        self.update(state, &rows, [Some(nu)], sd * sd)
+        self.update(state, &rows, [Some(nu)], sd * sd, Outlier::Clamped)
     }
 
     /// Level velocity, North and East, m/s: of the reference in slack, or of an external source.
@@ -212,7 +212,7 @@ impl<S: Scalar> FullStateFilter<S> {
     ) -> Result<S, Fault> {
         let rows = Sparse([(VELOCITY, level_rows())]);
         let nu = [Some(north - state.velocity.x), Some(east - state.velocity.y)];
-        self.update(state, &rows, nu, sd * sd)
+        self.update(state, &rows, nu, sd * sd, Outlier::Clamped)
     }
 }
 

@@ -77,6 +77,15 @@ pub(super) trait Rows<S: Scalar, const M: usize> {
     fn project(&self, column: &impl Column<S>) -> [V3<S>; M];
 }
 
+/// What becomes of an innovation beyond the gate.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Outlier {
+    /// It counts as one on the gate: of a sensor without which the filter does not fly.
+    Clamped,
+    /// The row is left out: of one that it can do without.
+    LeftOut,
+}
+
 /// Rows with few blocks that are not zero.
 pub(super) struct Sparse<S: Scalar, const M: usize, const K: usize>(pub [(usize, [V3<S>; M]); K]);
 
@@ -98,7 +107,7 @@ impl<S: Scalar, const M: usize, const K: usize> Rows<S, M> for Sparse<S, M, K> {
 
 impl<S: Scalar> FullStateFilter<S> {
     /// Takes `M` innovations (what was read less what was expected; `None` leaves a row out) of one variance.
-    /// Returns the sum of the squared normalised innovations. An innovation beyond the gate counts as one on it.
+    /// Returns the sum of the squared normalised innovations.
     ///
     /// # Errors
     /// [`Fault::NotFinite`]; the state is spoilt then.
@@ -108,10 +117,11 @@ impl<S: Scalar> FullStateFilter<S> {
         rows: &impl Rows<S, M>,
         innovations: [Option<S>; M],
         variance: S,
+        outlier: Outlier,
     ) -> Result<S, Fault> {
         let mut columns = self.columns(&state.covariance, rows);
         let products = rows.project(&Own(&columns));
-        let factors = Factors::new(products, innovations, variance, self.gate);
+        let factors = Factors::new(products, innovations, variance, (self.gate, outlier));
         let error = factors.eliminate(&mut columns);
         state.covariance.reduce(self.used, &columns, &factors.inverse);
         state.inject(&error)?;
@@ -157,7 +167,12 @@ struct Factors<S, const M: usize> {
 
 impl<S: Scalar, const M: usize> Factors<S, M> {
     /// From `H P Hᵀ`.
-    fn new(products: [V3<S>; M], innovations: [Option<S>; M], variance: S, gate: S) -> Self {
+    fn new(
+        products: [V3<S>; M],
+        innovations: [Option<S>; M],
+        variance: S,
+        (gate, outlier): (S, Outlier),
+    ) -> Self {
         let o = S::zero();
         let mut factors = Self { share: [[o; M]; M], inverse: [o; M], taken: [o; M], nis: o };
         let mut rows = products.map(|row| {
@@ -171,7 +186,11 @@ impl<S: Scalar, const M: usize> Factors<S, M> {
             let s = (pick(&own, at) + variance).max(S::lit(1e-9));
             let inverse = S::one() / s;
             factors.nis += innovation * innovation * inverse;
-            let taken = innovation.limit_abs(gate * s.sqrt()) * inverse;
+            let most = gate * s.sqrt();
+            if outlier == Outlier::LeftOut && innovation.abs() > most {
+                continue;
+            }
+            let taken = innovation.limit_abs(most) * inverse;
             place(&mut factors.inverse, at, inverse);
             place(&mut factors.taken, at, taken);
             let later = rows.iter_mut().zip(&mut innovations).zip(&mut factors.share).skip(at + 1);

@@ -4,7 +4,7 @@ use super::super::slackness::SlacknessState;
 use super::answer::Answer;
 use super::slack::Along;
 use super::{FullFlight, FullFlightState, Intent};
-use crate::estimate::full_state::{POSITION, Sag, VELOCITY};
+use crate::estimate::full_state::{POSITION, VELOCITY};
 use crate::estimate::{Fault, MahonyState};
 use crate::frames::V3;
 use crate::math::{GRAVITY, so3};
@@ -37,9 +37,8 @@ impl<S: Scalar> FullFlight<S> {
         let along = self.along(flying, sit);
         // A line that hangs in a curve yields before it answers; a fixed one is moved by the vehicle, as far as it can; near
         // the anchor a small error of the place is a large one of the direction.
-        let is_sure = self.filter.model.sag == Sag::None
-            && self.fixed_line.is_none()
-            && along.distance > S::lit(ANSWER_LENGTH);
+        let is_sure =
+            self.is_straight && self.fixed_line.is_none() && along.distance > S::lit(ANSWER_LENGTH);
         let is_silent = flying.answer.step(intent.tension, intent.dither, along.felt) && is_sure;
         if is_silent {
             flying.is_gone = true;

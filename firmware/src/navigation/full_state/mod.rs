@@ -4,11 +4,14 @@
 //! A step is spread over the milliseconds between two means of the inertial samples: `predict`,
 //! `feel`, `judge`, `locate`.
 
+mod aids;
 mod answer;
 mod health;
 mod line;
 mod rows;
 mod slack;
+
+pub(super) use aids::Readings;
 
 use super::position::Found;
 use crate::estimate::MahonyState;
@@ -23,6 +26,7 @@ use crate::param::Params;
 use crate::scalar::Scalar;
 use crate::signal::{Imu, PositionSource};
 use crate::time::{OUTER_DT, Sample};
+use aids::{Aids, AidsState};
 use answer::Answer;
 use health::FullHealth;
 use slack::{FixedLine, FixedLineState};
@@ -64,6 +68,9 @@ const WINDY_VARIANCE: f64 = 1.4;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct FullFlight<S: Scalar> {
     filter: FullStateFilter<S>,
+    aids: Aids<S>,
+    /// The line's weight does not bend it to speak of.
+    is_straight: bool,
     start: StartDeviation<S>,
     restart: StartDeviation<S>,
     /// Of accelerometer and thrust alike: what rotors shake looks like a pull that moves.
@@ -80,6 +87,7 @@ pub(super) struct FullFlight<S: Scalar> {
 pub(super) struct FullFlightState<S: Scalar> {
     pub state: FullState<S>,
     line: FixedLineState<S>,
+    aids: AidsState<S>,
     health: FullHealth<S>,
     /// Since lift-off.
     pub restarts: u16,
@@ -155,9 +163,12 @@ impl<S: Scalar> FullFlight<S> {
             return None;
         }
         let f = S::from_f32;
+        let aids = Aids::new(p);
+        let is_straight = Line::is_straight(p, kind);
         let sag = match kind {
-            _ if Line::is_straight(p, kind) => Sag::None,
-            TetherKind::Winch => Sag::OfEstimate,
+            // To a direction even a light line's weight counts.
+            _ if is_straight && aids.end().is_none() => Sag::None,
+            _ if kind.has_winch() || Line::has_cell(p) => Sag::OfEstimate,
             _ => Sag::OfSetpoint(f(p.tension)),
         };
         let model = FullStateModel {
@@ -168,7 +179,7 @@ impl<S: Scalar> FullFlight<S> {
             stiffness: f(p.line_stiffness),
             length_floor: S::lit(LENGTH_FLOOR),
             sag,
-            bow: S::zero(),
+            bow: f(p.line_bow),
         };
         let [gyro_x, gyro_y, gyro_z] = Densities::STANDARD.gyro;
         let [walk_x, walk_y, walk_z] = Densities::STANDARD.gyro_bias;
@@ -184,8 +195,12 @@ impl<S: Scalar> FullFlight<S> {
         standard.gyro_bias.z *= S::lit(YAW_BIAS_SHARE);
         let fixed_sd = if Line::dither(p, kind) > 0.0 { FIXED_SD } else { FIXED_SD_STILL };
         let bias = S::lit(RESTART_BIAS_SD);
+        standard.offset = aids.offset_sd();
+        let has_offset = aids.end().is_some();
         Some(Self {
-            filter: FullStateFilter::new(model, &densities, accel_sd, false, OUTER_DT),
+            filter: FullStateFilter::new(model, &densities, accel_sd, has_offset, OUTER_DT),
+            aids,
+            is_straight,
             start: StartDeviation {
                 position: S::lit(START_PLACE_SD),
                 velocity: S::lit(START_VELOCITY_SD),
@@ -223,6 +238,7 @@ impl<S: Scalar> FullFlight<S> {
         FullFlightState {
             state,
             line,
+            aids: AidsState::new(),
             health: FullHealth::default(),
             restarts: 0,
             is_touching: false,
@@ -266,15 +282,11 @@ impl<S: Scalar> FullFlight<S> {
         flying.state.velocity = V3::zeros();
     }
 
-    /// Takes a height, m, and a payout.
-    pub fn receive(
-        &self,
-        flying: &mut FullFlightState<S>,
-        altitude: Option<Height<S>>,
-        payout: Option<Sample<S>>,
-    ) {
-        flying.altitude = altitude.or(flying.altitude);
-        let Some(length) = payout else { return };
+    /// Takes what arrived.
+    pub fn receive(&self, flying: &mut FullFlightState<S>, z: &Readings<'_, S>) {
+        self.hear(flying, z);
+        flying.altitude = z.altitude.or(flying.altitude);
+        let Some(length) = z.payout else { return };
         let rate = flying.payout.map_or(S::zero(), |before| {
             let dt = length.at.seconds_since(before.last.at).max(1e-3);
             let now = (length.value - before.last.value) / S::from_f32(dt);
@@ -299,8 +311,13 @@ impl<S: Scalar> FullFlight<S> {
     }
 
     /// Second part: the accelerometer; at every other step where the line is long: behind the low-pass, what comes 4 ms later
-    /// says little new.
+    /// says little new. Sensors beside have the others.
     pub fn feel(&self, flying: &mut FullFlightState<S>) {
+        match self.take_aid(flying) {
+            Ok(false) => {}
+            Ok(true) => return,
+            Err(_) => flying.has_failed = true,
+        }
         let is_near = flying.load.length_out < S::lit(NEAR);
         if is_near || flying.tick.is_multiple_of(2) {
             let state = &mut flying.state;
@@ -349,6 +366,7 @@ impl<S: Scalar> FullFlight<S> {
             middle_tension: state.tension,
             is_taut: flying.line.slackness.is_taut,
             is_gone: flying.is_gone,
+            aids: self.report(flying),
             sd: position_sd(state),
             air_force: World(state.air_force() - state.velocity * self.filter.model.drag),
             health: flying.health.means,

@@ -2,7 +2,7 @@
 
 use super::{FullFlight, FullFlightState, Intent};
 use crate::estimate::Fault;
-use crate::estimate::full_state::GroundEnd;
+use crate::estimate::full_state::{DirectionEnd, GroundEnd};
 use crate::scalar::Scalar;
 
 /// Of a payout, m.
@@ -23,10 +23,13 @@ impl<S: Scalar> FullFlight<S> {
         intent: &Intent<S>,
     ) -> Result<(), Fault> {
         let is_winch = self.fixed_line.is_none();
-        match flying.tick % 4 {
-            0 if is_winch && flying.load.is_taut => {
+        let cell = if flying.load.is_taut { self.cell(flying) } else { None };
+        match (flying.tick % 4, cell) {
+            (0, Some(cell)) => self.take_cell(flying, cell)?,
+            (0, None) if is_winch && flying.load.is_taut => {
                 let (state, out) = (&mut flying.state, flying.load.length_out);
-                self.filter.ground_tension(state, intent.tension, out, S::lit(WINCH_SD))?;
+                let (end, sd) = (DirectionEnd::Ground, S::lit(WINCH_SD));
+                self.filter.end_tension(state, end, intent.tension, out, sd)?;
             }
             _ if flying.altitude.is_some() => self.take_altitude(flying, intent)?,
             _ if !flying.load.is_taut => {}
