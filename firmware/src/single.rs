@@ -128,7 +128,7 @@ single! {
     TetherState { elevation, azimuth, length, tension; is_taut }
     FilterHealth { accel, altitude, length }
     Estimate {
-        attitude, rate, gyro_bias, height, climb, position, velocity, tether, position_sd, air_force, thrust,
+        attitude, rate, gyro_bias, height, climb, position, velocity, tether, position_sd, heading_sd, air_force, thrust,
         health;
         restarts, tether_is_gone, aids, source, is_levelled, has_diverged
     }

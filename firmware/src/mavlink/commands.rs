@@ -138,6 +138,12 @@ impl Command {
             }
             // PREFLIGHT_CALIBRATION: gyro or level
             241 => Meaning::Do(Action::Level),
+            // FIXED_MAG_CAL_YAW: where the nose points, degrees
+            42006 if p1.abs() <= 360.0 => {
+                let heading = crate::math::wrap_pi(p1.to_radians());
+                Meaning::Do(Action::Face { heading })
+            }
+            42006 => Meaning::Result(DENIED),
             // PREFLIGHT_STORAGE
             245 if p1 == STORAGE_RESET => Meaning::Do(Action::ResetParams),
             // RUN_PREARM_CHECKS: SYS_STATUS carries the result.

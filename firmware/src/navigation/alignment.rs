@@ -94,7 +94,7 @@ impl<S: Scalar> Alignment<S> {
 }
 
 /// About the vertical, rad.
-fn turn<S: Scalar>(attitude: &mut MahonyState<S>, by: S) {
+pub(super) fn turn<S: Scalar>(attitude: &mut MahonyState<S>, by: S) {
     let (sin, cos) = by.sin_cos();
     let down = V3::new(S::zero(), S::zero(), S::one());
     attitude.attitude = Attitude(so3::axis_angle(&down, sin, cos) * attitude.attitude.0);

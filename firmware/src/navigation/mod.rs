@@ -8,6 +8,7 @@ mod compass;
 mod decimator;
 mod divergence;
 mod full_state;
+mod heading;
 mod lift_off;
 mod position;
 mod slackness;
@@ -28,12 +29,18 @@ use alignment::{Alignment, AlignmentState, Stance};
 use compass::Compass;
 use decimator::Decimator;
 use full_state::Height;
+use heading::HeadingDrift;
 use lift_off::{LiftOff, LiftOffState};
 use position::{PositionFilter, PositionFilterState};
 use tethered::{StageInput, TetheredInput};
 
 /// Over this height the feet can't touch, m.
 const CLEAR: f64 = 0.3;
+/// From one count of the heading's drift to the next: 1 s.
+const HEADING_STEPS: u8 = 250;
+/// Of a compass at rest, at 250 Hz, rad, and of what an operator says.
+const RESTING_COMPASS_SD: f64 = 0.5;
+const TOLD_SD: f64 = 0.05;
 
 /// What the vehicle is doing, as far as the filters must know.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -67,6 +74,9 @@ pub struct NavigationState<S: Scalar> {
     vertical: VerticalState<S>,
     lift_off: LiftOffState<S>,
     position: PositionFilterState<S>,
+    /// What is not seen of the azimuth, and steps until it is counted again.
+    heading: HeadingDrift<S>,
+    heading_steps: u8,
     now: Micros,
     altitude_at: Option<Micros>,
     pending_altitude: Option<S>,
@@ -108,6 +118,8 @@ impl<S: Scalar> Navigation<S> {
             vertical: VerticalState { height: self.ground_height, climb: S::zero() },
             lift_off: LiftOffState::default(),
             position: self.position.start(),
+            heading: HeadingDrift::new(S::zero()),
+            heading_steps: HEADING_STEPS,
             now: Micros::default(),
             altitude_at: None,
             pending_altitude: None,
@@ -137,6 +149,7 @@ impl<S: Scalar> Navigation<S> {
         let Some(attitude) = &state.alignment.attitude else {
             if phase == Phase::Resting {
                 self.alignment.level(&mut state.alignment, &imu);
+                state.heading = HeadingDrift::new(S::from_f32(sensors.imu_temperature));
             }
             return false;
         };
@@ -170,6 +183,7 @@ impl<S: Scalar> Navigation<S> {
     }
 
     fn filter(&self, state: &mut NavigationState<S>, sensors: &Sensors<S>, phase: Phase) {
+        state.count_heading(sensors);
         let dt = S::lit(OUTER_DT);
         let on_ground = !state.position.is_airborne();
         let Some(sit) = &mut state.alignment.attitude else {
@@ -191,6 +205,7 @@ impl<S: Scalar> Navigation<S> {
                 let field = sensors.line.magnetic;
                 if let Some(deviation) = self.compass.deviation(&sit.attitude, field) {
                     Alignment::follow(sit, deviation);
+                    state.heading.see(S::lit(RESTING_COMPASS_SD));
                 }
                 if let Some(attitude) = self.position.rest(&mut state.position) {
                     sit.attitude = attitude;
@@ -271,6 +286,7 @@ impl<S: Scalar> Navigation<S> {
             velocity: None,
             tether: None,
             position_sd: V3::zeros(),
+            heading_sd: S::zero(),
             air_force: World(V3::zeros()),
             restarts: 0,
             tether_is_gone: false,
@@ -281,11 +297,48 @@ impl<S: Scalar> Navigation<S> {
             is_levelled: state.alignment.attitude.is_some(),
             has_diverged: false,
         };
-        self.position.complete(&state.position, placeless, state.now)
+        let known = self.position.complete(&state.position, placeless, state.now);
+        state.unsure_of_heading(known)
     }
 }
 
 impl<S: Scalar> NavigationState<S> {
+    fn count_heading(&mut self, sensors: &Sensors<S>) {
+        if let Some(sd) = self.position.seen() {
+            self.heading.see(sd);
+        }
+        self.heading_steps -= 1;
+        if self.heading_steps == 0 {
+            self.heading_steps = HEADING_STEPS;
+            self.heading.step(S::from_f32(sensors.imu_temperature));
+        }
+    }
+
+    /// Across the line of sight from the anchor, the place turns with the heading.
+    fn unsure_of_heading(&self, known: Estimate<S>) -> Estimate<S> {
+        let variance = self.heading.variance();
+        let heading_sd = variance.sqrt();
+        let Some(World(place)) = known.position.filter(|_| known.tether.is_some()) else {
+            return Estimate { heading_sd, ..known };
+        };
+        let with = |sd: S, arm: S| (sd * sd + arm * arm * variance).sqrt();
+        let sd = known.position_sd;
+        let position_sd = V3::new(with(sd.x, place.y), with(sd.y, place.x), sd.z);
+        Estimate { heading_sd, position_sd, ..known }
+    }
+
+    /// Somebody says where the nose points, rad from North: the vehicle was turned about the anchor, or stands so.
+    pub fn face(&mut self, heading: S) {
+        let Some(attitude) = &mut self.alignment.attitude else {
+            return;
+        };
+        let (.., yaw) = attitude.attitude.euler();
+        let (.., flown) = self.position.attitude().unwrap_or(attitude.attitude).euler();
+        alignment::turn(attitude, crate::math::wrap_pi(heading - yaw));
+        self.position.turn(crate::math::wrap_pi(heading - flown));
+        self.heading.see(S::lit(TOLD_SD));
+    }
+
     /// Forgets level and bias, so that they are taken again.
     pub fn relevel(&mut self) {
         self.alignment = AlignmentState::default();

@@ -265,6 +265,21 @@ impl<S: Scalar> PositionFilterState<S> {
         }
     }
 
+    /// How well the azimuth or the heading was seen since this was asked, rad.
+    pub fn seen(&mut self) -> Option<S> {
+        match &mut self.airborne {
+            Some(Airborne::Tether(flying)) => flying.seen(),
+            _ => None,
+        }
+    }
+
+    /// Turns what is known about the vertical through the anchor, rad.
+    pub fn turn(&mut self, by: S) {
+        if let Some(Airborne::Tether(flying)) = &mut self.airborne {
+            flying.turn(by);
+        }
+    }
+
     /// Of the full-state filter while it flies.
     pub fn attitude(&self) -> Option<Attitude<S>> {
         match &self.airborne {

@@ -221,6 +221,23 @@ impl<S: Scalar> Tethered<S> {
 }
 
 impl<S: Scalar> TetheredState<S> {
+    /// How well the azimuth or the heading was seen since this was asked, rad.
+    pub fn seen(&mut self) -> Option<S> {
+        self.full.as_mut()?.seen()
+    }
+
+    /// Turns what is known about the vertical through the anchor, rad.
+    pub fn turn(&mut self, by: S) {
+        let (sin, cos) = by.sin_cos();
+        let turn = so3::axis_angle(&V3::new(S::zero(), S::zero(), S::one()), sin, cos);
+        let tension = self.ekf.tension();
+        self.ekf = Ekf4State::at(turn * self.ekf.position(), tension);
+        self.velocity = VelocityState::at(World(self.ekf.position()));
+        if let Some(full) = &mut self.full {
+            full.state.turn_world(&turn);
+        }
+    }
+
     /// The feet touch. What the full-state filter knows of the attitude, once, if it flew.
     pub fn touch(&mut self) -> Option<Attitude<S>> {
         let full = self.full.as_mut().filter(|full| !full.is_touching)?;

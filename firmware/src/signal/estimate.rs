@@ -71,6 +71,8 @@ pub struct Estimate<S: Scalar = f32> {
     pub tether: Option<TetherState<S>>,
     /// One standard deviation of each coordinate, m.
     pub position_sd: V3<S>,
+    /// What may have turned the heading, and the place about the anchor, unseen: one standard deviation, rad.
+    pub heading_sd: S,
     /// Force of the air over mass, m/s²; zero where nobody estimates it.
     pub air_force: World<V3<S>>,
     /// The line that should hold the vehicle does not.

@@ -85,6 +85,11 @@ pub enum Action {
     ResetParams,
     /// Take level and gyro bias again (at rest, disarmed).
     Level,
+    /// The nose points there: whatever was believed turns about the anchor.
+    Face {
+        /// From North, rad.
+        heading: f32,
+    },
 }
 
 /// How a request ended; MAVLink's results.

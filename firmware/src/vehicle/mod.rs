@@ -15,6 +15,7 @@ mod arbiter;
 mod fly;
 mod output;
 mod requests;
+mod tell;
 
 pub use crate::mode::PendulumReport;
 pub use output::{StepInput, StepOutput};
@@ -33,13 +34,14 @@ use crate::param::Params;
 use crate::scalar::Scalar;
 use crate::sense::{ImuScale, SenseState};
 use crate::signal::{
-    Actuation, Estimate, Event, EventQueue, MixerReport, Reply, Request, Sensors, Ticket,
-    WinchCommand, Wrench,
+    Actuation, Event, EventQueue, MixerReport, Reply, Request, Sensors, Ticket, WinchCommand,
+    Wrench,
 };
 use crate::supervisor::{FailsafeState, GroundState, TouchDownState};
 use crate::time::{INNER_DT, Micros};
 use crate::trajectory::Plan;
 use heapless::Deque;
+use tell::Told;
 
 /// Requests that may wait for the parameters.
 const WAITING: usize = 4;
@@ -69,6 +71,7 @@ struct State<S: Scalar> {
     /// Since the estimators moved on.
     phase: OuterPhase,
     landed_at: Option<Micros>,
+    told: Told,
     failsafe: FailsafeState,
     touch_down: TouchDownState<S>,
     /// 1 in flight, runs down to 0 on ground contact.
@@ -165,6 +168,7 @@ impl<S: Scalar> Vehicle<S> {
             is_armable: false,
             phase: OuterPhase::Idle,
             landed_at: None,
+            told: Told::default(),
             failsafe: FailsafeState::default(),
             touch_down: TouchDownState::default(),
             contact_ramp: S::one(),
@@ -235,7 +239,7 @@ impl<S: Scalar> Vehicle<S> {
             self.state.phase = OuterPhase::Observe;
         }
         self.receive_rod(&sensors);
-        let has_estimated = self.advance(phase, &mut events);
+        let has_estimated = self.advance(phase);
         let reply = self.take_up(input.request.as_ref(), at, &mut events);
         if phase == OuterPhase::Fly || sensors.imu.is_none() {
             self.supervise(at, &mut events);
@@ -249,6 +253,7 @@ impl<S: Scalar> Vehicle<S> {
             }
             OuterPhase::Feel => self.state.phase = OuterPhase::Fly,
             OuterPhase::Fly => {
+                self.tell(&mut events);
                 self.fly(at, &mut events);
                 self.state.phase = OuterPhase::Locate;
             }
@@ -307,7 +312,7 @@ impl<S: Scalar> Vehicle<S> {
     }
 
     /// The full-state filter's part of this millisecond, if it flies; true when the estimate is new.
-    fn advance(&mut self, phase: OuterPhase, events: &mut EventQueue) -> bool {
+    fn advance(&mut self, phase: OuterPhase) -> bool {
         let situation = &mut self.situation;
         let stage = match phase {
             _ if !situation.navigation.is_full() => return false,
@@ -328,18 +333,7 @@ impl<S: Scalar> Vehicle<S> {
         if stage != Stage::Judge {
             return false;
         }
-        let Estimate { restarts, aids, .. } = situation.estimate;
         situation.estimate = navigation.estimate(&situation.navigation);
-        if situation.estimate.restarts > restarts {
-            events.push(Event::warning("Position filter began anew"));
-        }
-        let now = situation.estimate.aids;
-        for aid in now.rejected.without(aids.rejected).iter() {
-            events.push(Event::warning(aid.contradiction()));
-        }
-        for aid in now.silent.without(aids.silent).iter() {
-            events.push(Event::warning(aid.silence()));
-        }
         true
     }
 

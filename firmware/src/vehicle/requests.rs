@@ -85,6 +85,7 @@ impl<S: Scalar> Vehicle<S> {
             }
             Action::ResetParams => self.reset_params(),
             Action::Level => self.level(),
+            Action::Face { heading } => self.face(heading),
         };
         if result.is_ok() && self.state.considered.is_none() && self.mode.is_considering() {
             self.state.considered = Some(request.ticket);
@@ -150,6 +151,18 @@ impl<S: Scalar> Vehicle<S> {
             handover.heading = S::from_f32(self.params.start_heading);
             handover.tension = S::from_f32(self.params.tension);
         }
+    }
+
+    /// What was asked of the heading stays asked: the vehicle turns back to it.
+    fn face(&mut self, heading: f32) -> Result<(), Refusal> {
+        if !self.situation.estimate.is_levelled {
+            return Err(rejected("Heading refused: not levelled yet"));
+        }
+        self.situation.navigation.face(S::from_f32(heading));
+        if self.situation.armed_at.is_none() {
+            self.mode.handover_mut().heading = S::from_f32(heading);
+        }
+        Ok(())
     }
 
     fn level(&mut self) -> Result<(), Refusal> {

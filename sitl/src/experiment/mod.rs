@@ -7,6 +7,7 @@ mod fixed_flight;
 mod flown;
 mod full_state_picture;
 mod full_state_table;
+mod heading_soak;
 mod journal;
 mod line_flights;
 mod line_path;
@@ -123,7 +124,7 @@ const PENDULUM: &str = "Yang, Reis, Yu & Silvestre, flying inverted pendulum";
 const BOTH_SENSING: &str = "both sensing papers; `inertial`, `localization`";
 
 /// All of them.
-pub const EXPERIMENTS: [Experiment; 33] = [
+pub const EXPERIMENTS: [Experiment; 34] = [
     Experiment {
         key: "planar-nominal",
         paper: JOURNAL,
@@ -291,6 +292,13 @@ pub const EXPERIMENTS: [Experiment; 33] = [
         figure: "`fullstate`, section 21",
         about: "what each sensor buys in which wind, with and without the moving tension",
         run: which_sensor::run,
+    },
+    Experiment {
+        key: "heading-soak",
+        paper: "our own",
+        figure: "days aloft",
+        about: "a day in the air: does the azimuth turn, and is it told? (five minutes)",
+        run: heading_soak::run,
     },
     Experiment {
         key: "line-flights",

@@ -9,6 +9,10 @@ use tautline_firmware::vehicle::StepOutput;
 
 /// An error within so many of its standard deviations is what was promised.
 const PROMISE: f64 = 2.0;
+/// Nearly overhead there is no azimuth: level share of the distance.
+const OVERHEAD: f64 = 0.2;
+/// The heading's standard deviation from which the operator is told, rad.
+const UNSURE: f32 = 0.087;
 
 /// Collects during a flight.
 #[derive(Clone, Debug, Default)]
@@ -17,6 +21,9 @@ pub struct PlaceMetrics {
     tracking: Spread,
     tension: Spread,
     yaw: Spread,
+    azimuth: Spread,
+    /// While nobody said that the heading is unsure.
+    unnoticed: Spread,
     /// Level error over its standard deviation.
     ratio: Spread,
     kept: [u64; 2],
@@ -35,6 +42,10 @@ pub struct PlaceSummary {
     pub tension_rms_n: f64,
     /// Estimated against true heading, RMS, rad.
     pub yaw_rms_rad: f64,
+    /// Largest error of the anchor's azimuth, rad; and while the estimate took its heading for better than 5 degrees.
+    pub azimuth_max_rad: f64,
+    /// See above.
+    pub azimuth_unnoticed_max_rad: f64,
     /// Mean square of a level coordinate's error over its variance.
     pub error_over_variance: f64,
     /// Share of the time in which the level and the vertical error lie within two of their standard deviations.
@@ -62,7 +73,15 @@ impl PlaceMetrics {
         self.tracking.add((truth - reference.position.0.map(f64::from)).norm());
         self.tension.add(f64::from(tether.tension) - plant.tether.tension());
         let yaw = f64::from(out.estimate.attitude.euler().2) - plant.body.attitude.euler_angles().2;
-        self.yaw.add(yaw.sin().atan2(yaw.cos()));
+        self.yaw.add(turned(yaw));
+        let place = truth + error;
+        let azimuth = turned(place.y.atan2(place.x) - truth.y.atan2(truth.x));
+        if truth.x.hypot(truth.y) > OVERHEAD * truth.norm() {
+            self.azimuth.add(azimuth);
+            if out.estimate.heading_sd < UNSURE {
+                self.unnoticed.add(azimuth);
+            }
+        }
         self.ratio.add(error.x / deviation.x);
         self.ratio.add(error.y / deviation.y);
         let [level, vertical] = &mut self.kept;
@@ -79,9 +98,16 @@ impl PlaceMetrics {
             tracking_rms_m: self.tracking.rms()?,
             tension_rms_n: self.tension.rms()?,
             yaw_rms_rad: self.yaw.rms()?,
+            azimuth_max_rad: self.azimuth.max,
+            azimuth_unnoticed_max_rad: self.unnoticed.max,
             error_over_variance: self.ratio.rms()?.powi(2),
             kept: self.kept.map(|kept| kept as f64 / self.count as f64),
             restarts: self.restarts,
         })
     }
+}
+
+/// Into ±π.
+fn turned(angle: f64) -> f64 {
+    angle.sin().atan2(angle.cos())
 }

@@ -251,6 +251,8 @@ sections! {
         gyro_drift: f64 ["rad/s/sqrt(s)"] = 3e-5, in 0.0 ..= 0.1;
         /// Random walk of the accelerometer's offset.
         accel_drift: f64 ["m/s^2/sqrt(s)"] = 1e-4, in 0.0 ..= 1.0;
+        /// In which both offsets come back to where they started: no part wanders for days.
+        drift_time: f64 ["s"] = 1000.0, in 1.0 ..= 1e7;
         /// How much the inertial sensor still warms up after the start. A board that was just switched on
         /// has about 12 to go; the default is one that stood for some minutes.
         warm_up: f64 ["K"] = 2.0, in -50.0 ..= 50.0;

@@ -34,6 +34,8 @@ const DRIFT_SAMPLES: u32 = 20;
 pub struct Inertial {
     gyro_bias: V3,
     accel_bias: V3,
+    gyro_drift: V3,
+    accel_drift: V3,
     phase: [f64; 4],
     temperature: f64,
     samples: u32,
@@ -52,6 +54,8 @@ impl Inertial {
         Self {
             gyro_bias: vector(rng, uniform) * model.gyro_bias,
             accel_bias: vector(rng, uniform) * model.accel_bias,
+            gyro_drift: V3::zeros(),
+            accel_drift: V3::zeros(),
             phase: std::array::from_fn(|_| uniform(rng) * TAU),
             temperature: START_TEMPERATURE,
             samples: 0,
@@ -68,9 +72,12 @@ impl Inertial {
     ) -> (V3, V3, f64) {
         self.samples = self.samples.wrapping_add(1);
         if self.samples.is_multiple_of(DRIFT_SAMPLES) {
-            let walk = (f64::from(DRIFT_SAMPLES) * DT).sqrt();
-            self.gyro_bias += vector(rng, normal) * (model.gyro_drift * walk);
-            self.accel_bias += vector(rng, normal) * (model.accel_drift * walk);
+            let dt = f64::from(DRIFT_SAMPLES) * DT;
+            let (walk, left) = (dt.sqrt(), 1.0 - dt / model.drift_time);
+            let gyro = vector(rng, normal) * (model.gyro_drift * walk);
+            self.gyro_drift = self.gyro_drift * left + gyro;
+            let accel = vector(rng, normal) * (model.accel_drift * walk);
+            self.accel_drift = self.accel_drift * left + accel;
         }
         self.temperature +=
             (START_TEMPERATURE + model.warm_up - self.temperature) * DT / WARM_UP_TIME;
@@ -80,11 +87,13 @@ impl Inertial {
         let width = BANDWIDTH.sqrt();
         let accel = plant.specific_force
             + self.accel_bias
+            + self.accel_drift
             + V3::repeat(ACCEL_PER_KELVIN * warm)
             + vibration
             + vector(rng, normal) * (model.accel_noise_density * width);
         let gyro = plant.body.rate
             + self.gyro_bias
+            + self.gyro_drift
             + V3::repeat(GYRO_PER_KELVIN * warm + extra_bias)
             + V3::new(vibration.y, -vibration.x, vibration.z) * model.gyro_vibration_ratio
             + vector(rng, normal) * (model.gyro_noise_density * width);

@@ -101,6 +101,22 @@ impl<S: Scalar> Covariance<S> {
         }
     }
 
+    /// Turns the axes of some blocks.
+    pub(super) fn turn(&mut self, blocks: [usize; 4], turn: &M3<S>) {
+        for column in 0..BLOCKS {
+            for row in 0..=column {
+                let mut block = self.block(row, column);
+                if blocks.contains(&row) {
+                    block = turn * block;
+                }
+                if blocks.contains(&column) {
+                    block *= turn.transpose();
+                }
+                self.set(row, column, block);
+            }
+        }
+    }
+
     /// Adds independent noise to a block's components.
     #[inline]
     pub fn inflate(&mut self, block: usize, variance: &V3<S>) {

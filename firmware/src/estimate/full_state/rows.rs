@@ -126,6 +126,16 @@ impl<S: Scalar> FullStateFilter<S> {
         self.update(state, &rows, [Some(nu)], sd * sd, Outlier::Clamped)
     }
 
+    /// That an altimeter's bias has no reason to be anything but zero.
+    ///
+    /// # Errors
+    /// As [`Self::accelerometer`].
+    pub fn unbiased_altimeter(&self, state: &mut FullState<S>, sd: S) -> Result<S, Fault> {
+        let (o, one) = (S::zero(), S::one());
+        let rows = Sparse([(SCALARS, [V3::new(o, o, one)])]);
+        self.update(state, &rows, [Some(-state.altimeter_bias)], sd * sd, Outlier::Clamped)
+    }
+
     /// Distance from anchor to fastening, m, as measured.
     ///
     /// # Errors

@@ -5,7 +5,7 @@ use super::covariance::{
     VELOCITY, WIND,
 };
 use crate::fault::Fault;
-use crate::frames::{Attitude, V3};
+use crate::frames::{Attitude, M3, V3};
 use crate::math::so3;
 use crate::scalar::Scalar;
 
@@ -174,6 +174,15 @@ impl<S: Scalar> FullState<S> {
         self.attitude.0 =
             so3::orthonormal(&(self.attitude.0 * so3::exp(by))).ok_or(Fault::NotFinite)?;
         Ok(())
+    }
+
+    /// Turns all that is in world axes by a rotation about the vertical: no sensor of the line sees the difference.
+    pub fn turn_world(&mut self, turn: &M3<S>) {
+        self.attitude.0 = turn * self.attitude.0;
+        for own in [&mut self.position, &mut self.velocity, &mut self.wind, &mut self.gust] {
+            *own = turn * *own;
+        }
+        self.covariance.turn([POSITION, VELOCITY, WIND, GUST], turn);
     }
 
     /// Another altimeter, whose bias is not that of the one before: zero, by the given standard deviation, m.

@@ -84,7 +84,7 @@ impl Session {
         let variance = |s: f32| s * s;
         // Upper triangle of x y z roll pitch yaw, row by row; NaN first means "unknown" in MAVLink.
         let mut pose_covariance = [0.0; 21];
-        for (at, value) in [(0, sd.x), (6, sd.y), (11, sd.z)] {
+        for (at, value) in [(0, sd.x), (6, sd.y), (11, sd.z), (20, out.estimate.heading_sd)] {
             if let Some(slot) = pose_covariance.get_mut(at) {
                 *slot = variance(value);
             }

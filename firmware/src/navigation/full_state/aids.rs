@@ -24,6 +24,8 @@ const MOUNTING_SD: f64 = 0.0136;
 /// Of a load cell, N, and of the compass at 8 Hz, rad.
 const CELL_SD: f64 = 0.21;
 const COMPASS_SD: f64 = 0.1;
+/// Of an azimuth that the station or a position shows, rad, beside what the filter knows of it.
+const AZIMUTH_SD: f64 = 0.01;
 /// A compass that is further off than this, rad, beside three deviations of the heading, is disturbed.
 const COMPASS_REJECT: f64 = 0.35;
 /// Readings in excess that make a sensor one that contradicts, and squared deviations of a bad one.
@@ -63,6 +65,13 @@ impl<S: Scalar> Aids<S> {
             wanted if wanted.contains(Aid::Angles) => Some(DirectionEnd::Vehicle),
             _ => None,
         }
+    }
+
+    /// Something holds the azimuth.
+    pub fn sees_azimuth(&self) -> bool {
+        [Aid::Fairlead, Aid::Compass, Aid::Position]
+            .into_iter()
+            .any(|aid| self.wanted.contains(aid))
     }
 
     /// Of the direction's offset, rad.
@@ -111,6 +120,8 @@ pub(super) struct AidsState<S: Scalar> {
     gates: [Gate; Aid::ALL.len()],
     /// Of a line that pulls.
     taut_steps: u8,
+    /// The azimuth or the heading was seen, to so many rad.
+    seen: Option<S>,
 }
 
 impl<S: Scalar> AidsState<S> {
@@ -121,11 +132,19 @@ impl<S: Scalar> AidsState<S> {
             velocity: None,
             gates: Default::default(),
             taut_steps: 0,
+            seen: None,
         }
     }
 
     fn gate(&mut self, aid: Aid) -> Option<&mut Gate> {
         self.gates.get_mut(aid as usize)
+    }
+}
+
+impl<S: Scalar> FullFlightState<S> {
+    /// How well the azimuth or the heading was seen since this was asked, rad.
+    pub(in super::super) fn seen(&mut self) -> Option<S> {
+        self.aids.seen.take()
     }
 }
 
@@ -265,9 +284,16 @@ impl<S: Scalar> FullFlight<S> {
 }
 
 fn judge<S: Scalar>(flying: &mut FullFlightState<S>, aid: Aid, nis: S) -> Result<bool, Fault> {
+    let nis = f64::from(nis.to_f32());
     if let Some(gate) = flying.aids.gate(aid) {
-        gate.take(f64::from(nis.to_f32()));
+        gate.take(nis);
     }
+    let sd = match aid {
+        Aid::Compass => Some(COMPASS_SD),
+        Aid::Fairlead | Aid::Position => Some(AZIMUTH_SD),
+        Aid::Angles | Aid::Cell | Aid::Velocity => None,
+    };
+    flying.aids.seen = sd.filter(|_| nis <= BAD_NIS).map(S::lit).or(flying.aids.seen);
     Ok(true)
 }
 

@@ -46,8 +46,8 @@ const NEAR: f64 = 5.0;
 const START_PLACE_SD: f64 = 0.25;
 const START_VELOCITY_SD: f64 = 0.3;
 const START_TILT_SD: f64 = 0.008;
-/// The gyro's axis along the thrust is steadier than `fullstate` takes it for, and nothing measures the heading: with
-/// more noise there, errors of the other rows turn it. Shares of the other axes' noise and of its bias' deviation.
+/// The gyro's axis along the thrust is steadier than `fullstate` takes it for, and where nothing measures the heading,
+/// errors of the other rows turn it the more the noisier it is. Shares of the other axes' noise and of its bias' deviation.
 const YAW_SHARE: f64 = 0.2;
 const YAW_BIAS_SHARE: f64 = 0.3;
 /// After a restart: place, m, and velocity, m/s; least pull, N.
@@ -181,18 +181,20 @@ impl<S: Scalar> FullFlight<S> {
             sag,
             bow: f(p.line_bow),
         };
+        let (yaw, yaw_bias) =
+            if aids.sees_azimuth() { (1.0, 1.0) } else { (YAW_SHARE, YAW_BIAS_SHARE) };
         let [gyro_x, gyro_y, gyro_z] = Densities::STANDARD.gyro;
         let [walk_x, walk_y, walk_z] = Densities::STANDARD.gyro_bias;
         let densities = Densities {
             velocity: f64::from(p.full_velocity_noise),
-            gyro: [gyro_x, gyro_y, gyro_z * YAW_SHARE],
-            gyro_bias: [walk_x, walk_y, walk_z * YAW_SHARE],
+            gyro: [gyro_x, gyro_y, gyro_z * yaw],
+            gyro_bias: [walk_x, walk_y, walk_z * yaw],
             ..Densities::STANDARD
         };
         // Its rows come at half the rate.
         let accel_sd = f64::from(p.full_accel_sd) * core::f64::consts::FRAC_1_SQRT_2;
         let mut standard = StartDeviation::standard();
-        standard.gyro_bias.z *= S::lit(YAW_BIAS_SHARE);
+        standard.gyro_bias.z *= S::lit(yaw_bias);
         let fixed_sd = if Line::dither(p, kind) > 0.0 { FIXED_SD } else { FIXED_SD_STILL };
         let bias = S::lit(RESTART_BIAS_SD);
         standard.offset = aids.offset_sd();

@@ -12,6 +12,8 @@ const FIXED_RATE_SD: f64 = 0.30;
 const PAYOUT_RATE_SD: f64 = 0.60;
 /// Of a winch's set-point, N, taken on every fourth step.
 const WINCH_SD: f64 = 1.41;
+/// Of a rangefinder's bias about zero, m, once a second.
+const UNBIASED_SD: f64 = 0.1;
 /// Level velocity while the line is slack, m/s.
 const SLACK_VELOCITY_SD: f64 = 1.2;
 
@@ -30,6 +32,11 @@ impl<S: Scalar> FullFlight<S> {
                 let (state, out) = (&mut flying.state, flying.load.length_out);
                 let (end, sd) = (DirectionEnd::Ground, S::lit(WINCH_SD));
                 self.filter.end_tension(state, end, intent.tension, out, sd)?;
+            }
+            // What else contradicts, a little, for hours, would move it by half a metre.
+            (2, _) if flying.tick == 2 && !flying.is_barometric => {
+                let sd = S::lit(UNBIASED_SD);
+                self.filter.unbiased_altimeter(&mut flying.state, sd)?;
             }
             _ if flying.altitude.is_some() => self.take_altitude(flying, intent)?,
             _ if !flying.load.is_taut => {}
