@@ -59,6 +59,9 @@ const RESTART_BIAS_SD: f64 = 0.01;
 /// A restart counts for so long, s, and so many at once mean that nothing helps.
 const HEAT_TIME: f64 = 10.0;
 const HEAT_MAX: f64 = 2.0;
+/// In which the mean wind's force goes to nothing, s. With the 300 s of `fullstate` a wind that blows for an hour becomes a
+/// tilt of two degrees.
+const WIND_TIME: f64 = 3e4;
 /// Force of the air over mass, m/s², from which gusts are more than the filter believes, and the lateral variance then:
 /// `fullstate` sections 25 and 30.
 const WINDY: f64 = 0.3;
@@ -189,6 +192,7 @@ impl<S: Scalar> FullFlight<S> {
             velocity: f64::from(p.full_velocity_noise),
             gyro: [gyro_x, gyro_y, gyro_z * yaw],
             gyro_bias: [walk_x, walk_y, walk_z * yaw],
+            wind_time: WIND_TIME,
             ..Densities::STANDARD
         };
         // Its rows come at half the rate.
