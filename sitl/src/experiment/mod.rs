@@ -5,6 +5,7 @@ mod angle_flight;
 mod conference;
 mod fixed_flight;
 mod flown;
+mod full_state_faults;
 mod full_state_picture;
 mod full_state_table;
 mod heading_soak;
@@ -124,7 +125,7 @@ const PENDULUM: &str = "Yang, Reis, Yu & Silvestre, flying inverted pendulum";
 const BOTH_SENSING: &str = "both sensing papers; `inertial`, `localization`";
 
 /// All of them.
-pub const EXPERIMENTS: [Experiment; 34] = [
+pub const EXPERIMENTS: [Experiment; 35] = [
     Experiment {
         key: "planar-nominal",
         paper: JOURNAL,
@@ -285,6 +286,13 @@ pub const EXPERIMENTS: [Experiment; 34] = [
         figure: "`fullstate`, sections 13, 17, 22, 24 to 26",
         about: "the full-state filter with its moving tension, from the ground to the ground, in wind",
         run: full_state_table::run,
+    },
+    Experiment {
+        key: "fullstate-faults",
+        paper: "our own",
+        figure: "`fullstate`, section 24",
+        about: "pushes, lying sensors and weak thrust in a hold, and what the full-state filter makes of them",
+        run: full_state_faults::run,
     },
     Experiment {
         key: "which-sensor",

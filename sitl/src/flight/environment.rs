@@ -1,7 +1,7 @@
 //! Everything but the firmware: the physical world, the vehicle's devices, and its companions.
 
 use super::capture::MotionCapture;
-use crate::plant::{Disturbance, Plant, PlantModel, Push, generator};
+use crate::plant::{Disturbance, Plant, PlantModel, Push, V3, generator};
 use crate::scenario::{DisturbanceKind, FaultKind, Faults, Scenario, Source};
 use crate::sensor::SensorSuite;
 use std::f64::consts::PI;
@@ -113,6 +113,14 @@ impl Environment {
             Some(share) => self.plant.catch_line(share),
             None => self.plant.tether.release(),
         }
+        let newtons = |kind| self.faults.value(kind, time).unwrap_or(0.0);
+        self.plant.force = V3::new(
+            newtons(FaultKind::PushNorth),
+            newtons(FaultKind::PushEast),
+            newtons(FaultKind::PushDown),
+        );
+        let share = self.faults.value(FaultKind::ThrustShare, time).unwrap_or(1.0);
+        self.plant.model_mut().rotor.strength = share;
         self.plant.step(&throttle, winch);
         self.clock.advance_to(self.clock.now_us() + STEP_US);
     }

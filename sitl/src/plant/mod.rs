@@ -134,6 +134,8 @@ pub struct Plant {
     pub rod: Option<Rod>,
     /// A force from nowhere.
     pub push: Option<Push>,
+    /// Another one, world axes, N: a fault.
+    pub force: V3,
     /// Feet.
     pub ground: Ground,
     /// Battery.
@@ -167,6 +169,7 @@ impl Plant {
             wind: Wind::default(),
             rod: model.rod.clone().map(Rod::held),
             push: None,
+            force: V3::zeros(),
             ground: Ground::default(),
             battery: Battery::new(&model.battery),
             specific_force: V3::zeros(),
@@ -232,7 +235,7 @@ impl Plant {
         let (support, support_torque) =
             self.ground.step(&m.ground, &self.body, &rotation, &self.anchor);
         torque += support_torque;
-        let mut force = support + rotation * force_body;
+        let mut force = support + rotation * force_body + self.force;
         if let Some(push) = &mut self.push {
             push.step(self.body.height(), DT);
             force += push.force();

@@ -44,6 +44,8 @@ pub struct RotorModel {
     pub common_gain_error: f64,
     /// Of each rotor alone.
     pub gain_error: f64,
+    /// Of the thrust, that is there: a fault.
+    pub strength: f64,
     /// Mechanical over electrical power.
     pub efficiency: f64,
 }
@@ -69,6 +71,7 @@ impl RotorModel {
             time_constant: vehicle.rotor_time_constant,
             common_gain_error: vehicle.common_thrust_error,
             gain_error: vehicle.rotor_thrust_error,
+            strength: 1.0,
             efficiency: 0.65,
         }
     }
@@ -112,7 +115,7 @@ impl Rotor {
     /// N.
     #[must_use]
     pub fn thrust(&self, model: &RotorModel) -> f64 {
-        self.gain * model.thrust_coefficient * self.speed * self.speed
+        model.strength * self.gain * model.thrust_coefficient * self.speed * self.speed
     }
 
     /// Electrical, W.

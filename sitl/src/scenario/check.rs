@@ -26,7 +26,7 @@ impl Scenario {
         for (i, fault) in self.fault.iter().enumerate() {
             within(&format!("fault[{i}].at"), fault.at, 0.0, 1e6)?;
             within(&format!("fault[{i}].duration"), fault.duration.unwrap_or(0.0), 0.0, 1e6)?;
-            within(&format!("fault[{i}].value"), fault.value, -10.0, 10.0)?;
+            within(&format!("fault[{i}].value"), fault.value, -100.0, 100.0)?;
         }
         for (i, step) in self.mission.iter().enumerate() {
             if let Step::WalkAnchor { way: [north, east], ramp, .. } = step {

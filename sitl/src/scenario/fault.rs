@@ -30,6 +30,20 @@ pub enum FaultKind {
     LinkLost,
     /// The gyro reads `value` rad/s too much on every axis.
     GyroBias,
+    /// The rangefinder shows `value` m too much.
+    RangeOffset,
+    /// The barometer shows a height of `value` m too much.
+    BarometerOffset,
+    /// The encoder of the winch shows `value` m too much.
+    LengthOffset,
+    /// A force of `value` N from the South.
+    PushNorth,
+    /// A force of `value` N from the West.
+    PushEast,
+    /// A force of `value` N from above.
+    PushDown,
+    /// Every rotor gives `value` of its thrust.
+    ThrustShare,
     /// No motion capture.
     CaptureLost,
     /// Motion capture tracks the vehicle, not the rod.

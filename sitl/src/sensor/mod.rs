@@ -126,7 +126,10 @@ impl SensorSuite {
         self.winch = None;
         self.line = RawLineSensors::default();
         if transmits && ms.is_multiple_of(WINCH_MS) {
-            self.winch = Some(self.station.length(plant, &self.noise, &mut self.rng));
+            let mut length = self.station.length(plant, &self.noise, &mut self.rng);
+            let extra = faults.value(FaultKind::LengthOffset, time).unwrap_or(0.0);
+            length.length_mm = (length.length_mm + (extra * 1000.0) as i32).max(0);
+            self.winch = Some(length);
             if self.noise.tension_cell {
                 self.line.station_tension = Some(self.station.tension(plant, &mut self.rng));
             }
@@ -168,7 +171,9 @@ impl SensorSuite {
 
     fn expose_barometer(&mut self, plant: &Plant, faults: &Faults, time: f64) {
         let dt = BAROMETER_MS as f64 * 1e-3;
-        let pressure = self.altitude.pressure(&self.noise, plant.body.height(), dt, &mut self.rng);
+        let extra = faults.value(FaultKind::BarometerOffset, time).unwrap_or(0.0);
+        let height = plant.body.height() + extra;
+        let pressure = self.altitude.pressure(&self.noise, height, dt, &mut self.rng);
         let part = self.slow.barometer.bus_mut();
         part.is_dead = faults.is_active(FaultKind::BarometerLost, time)
             || faults.is_active(FaultKind::AltimeterLost, time);
@@ -181,7 +186,7 @@ impl SensorSuite {
             || faults.is_active(FaultKind::AltimeterLost, time);
         if part.is_due() {
             let distance = self.altitude.range(&self.noise, plant, RANGE_OFFSET, &mut self.rng);
-            part.set_distance(distance);
+            part.set_distance(distance + faults.value(FaultKind::RangeOffset, time).unwrap_or(0.0));
         }
     }
 }
