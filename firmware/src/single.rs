@@ -130,7 +130,7 @@ single! {
     Estimate {
         attitude, rate, gyro_bias, height, climb, position, velocity, tether, position_sd, heading_sd, air_force, thrust,
         health;
-        restarts, tether_is_gone, aids, source, is_levelled, has_diverged
+        restarts, length_jumps, tether_is_gone, aids, source, is_levelled, has_diverged
     }
     FlightReference { position, velocity, yaw, tension }
     PlanarReference { elevation, second }

@@ -10,6 +10,7 @@ mod divergence;
 mod full_state;
 mod heading;
 mod lift_off;
+mod payout;
 mod position;
 mod slackness;
 mod tethered;
@@ -31,6 +32,7 @@ use decimator::Decimator;
 use full_state::Height;
 use heading::HeadingDrift;
 use lift_off::{LiftOff, LiftOffState};
+use payout::PayoutState;
 use position::{PositionFilter, PositionFilterState};
 use tethered::{StageInput, TetheredInput};
 
@@ -80,6 +82,7 @@ pub struct NavigationState<S: Scalar> {
     now: Micros,
     altitude_at: Option<Micros>,
     pending_altitude: Option<S>,
+    payout: PayoutState<S>,
     pending_length: Option<Sample<S>>,
     pending_place: Option<Sample<Capture<S>>>,
     pending_velocity: Option<Sample<Body<V3<S>>>>,
@@ -123,6 +126,7 @@ impl<S: Scalar> Navigation<S> {
             now: Micros::default(),
             altitude_at: None,
             pending_altitude: None,
+            payout: PayoutState::new(),
             pending_length: None,
             pending_place: None,
             pending_velocity: None,
@@ -150,6 +154,12 @@ impl<S: Scalar> Navigation<S> {
             if phase == Phase::Resting {
                 self.alignment.level(&mut state.alignment, &imu);
                 state.heading = HeadingDrift::new(S::from_f32(sensors.imu_temperature));
+                let field = sensors.line.magnetic;
+                if let Some(levelled) = &mut state.alignment.attitude
+                    && let Some(off) = self.compass.deviation(&levelled.attitude, field)
+                {
+                    alignment::turn(levelled, off);
+                }
             }
             return false;
         };
@@ -170,7 +180,8 @@ impl<S: Scalar> Navigation<S> {
             state.altitude_at = Some(altitude.at);
             state.pending_altitude = Some(altitude.value);
         }
-        state.pending_length = sensors.tether_length.or(state.pending_length);
+        let paid_out = sensors.tether_length.map(|shown| state.payout.step(shown));
+        state.pending_length = paid_out.or(state.pending_length);
         state.pending_place = sensors.capture.or(state.pending_place);
         state.pending_velocity = sensors.velocity.or(state.pending_velocity);
         if let Some(sample) = &sensors.capture
@@ -196,17 +207,17 @@ impl<S: Scalar> Navigation<S> {
             _ => Stance::Standing,
         };
         self.alignment.step(sit, &imu, stance, dt);
+        let field = sensors.line.magnetic.filter(|_| on_ground);
+        if let Some(deviation) = self.compass.deviation(&sit.attitude, field) {
+            Alignment::follow(sit, deviation);
+            state.heading.see(S::lit(RESTING_COMPASS_SD));
+        }
         let force = sit.attitude.to_world(imu.accel);
         let accel_up = -(force.0.z + S::lit(GRAVITY));
         self.vertical.predict(&mut state.vertical, accel_up, dt, sensors.altitude_is_fresh);
         self.position.predict(&mut state.position, &force);
         match phase {
             Phase::Resting => {
-                let field = sensors.line.magnetic;
-                if let Some(deviation) = self.compass.deviation(&sit.attitude, field) {
-                    Alignment::follow(sit, deviation);
-                    state.heading.see(S::lit(RESTING_COMPASS_SD));
-                }
                 if let Some(attitude) = self.position.rest(&mut state.position) {
                     sit.attitude = attitude;
                 }
@@ -287,6 +298,7 @@ impl<S: Scalar> Navigation<S> {
             tether: None,
             position_sd: V3::zeros(),
             heading_sd: S::zero(),
+            length_jumps: state.payout.jumps,
             air_force: World(V3::zeros()),
             restarts: 0,
             tether_is_gone: false,

@@ -79,6 +79,8 @@ pub struct Estimate<S: Scalar = f32> {
     pub tether_is_gone: bool,
     /// Sensors that should help the position filter and do not.
     pub aids: AidReport,
+    /// How often the line's length jumped, which was taken out.
+    pub length_jumps: u16,
     /// How often the position filter began anew in this flight.
     pub restarts: u16,
     /// Who says where the vehicle is.

@@ -14,6 +14,7 @@ const UNSURE: [(f64, &str); 2] = [
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Told {
     restarts: u16,
+    length_jumps: u16,
     aids: AidReport,
     /// Of [`UNSURE`].
     heading: usize,
@@ -26,6 +27,10 @@ impl<S: Scalar> Vehicle<S> {
             events.push(Event::warning("Position filter began anew"));
         }
         told.restarts = estimate.restarts;
+        if estimate.length_jumps > told.length_jumps {
+            events.push(Event::warning("Line length jumped: taken out"));
+        }
+        told.length_jumps = estimate.length_jumps;
         let aids = estimate.aids;
         for aid in aids.rejected.without(told.aids.rejected).iter() {
             events.push(Event::warning(aid.contradiction()));

@@ -1,7 +1,7 @@
 //! How well is the place known and kept in Tether Hold, and does the estimate know how well? As `fullstate` sections 13
 //! and 26 count: the error of all three coordinates, moves included.
 
-use super::Spread;
+use super::{DT, Spread};
 use crate::plant::Plant;
 use serde::Serialize;
 use tautline_firmware::supervisor::{GroundState, Mode};
@@ -9,6 +9,8 @@ use tautline_firmware::vehicle::StepOutput;
 
 /// An error within so many of its standard deviations is what was promised.
 const PROMISE: f64 = 2.0;
+/// Of the azimuth's low-pass, s.
+const MEAN_TIME: f64 = 60.0;
 /// Nearly overhead there is no azimuth: level share of the distance.
 const OVERHEAD: f64 = 0.2;
 /// The heading's standard deviation from which the operator is told, rad.
@@ -22,6 +24,8 @@ pub struct PlaceMetrics {
     tension: Spread,
     yaw: Spread,
     azimuth: Spread,
+    /// Low-passed azimuth error, rad.
+    mean_azimuth: Option<f64>,
     /// While nobody said that the heading is unsure.
     unnoticed: Spread,
     /// Level error over its standard deviation.
@@ -42,7 +46,7 @@ pub struct PlaceSummary {
     pub tension_rms_n: f64,
     /// Estimated against true heading, RMS, rad.
     pub yaw_rms_rad: f64,
-    /// Largest error of the anchor's azimuth, rad; and while the estimate took its heading for better than 5 degrees.
+    /// Largest error of the azimuth from the anchor, low-passed over a minute, rad; and, not low-passed, while the estimate took its heading for better than 5 degrees.
     pub azimuth_max_rad: f64,
     /// See above.
     pub azimuth_unnoticed_max_rad: f64,
@@ -77,7 +81,9 @@ impl PlaceMetrics {
         let place = truth + error;
         let azimuth = turned(place.y.atan2(place.x) - truth.y.atan2(truth.x));
         if truth.x.hypot(truth.y) > OVERHEAD * truth.norm() {
-            self.azimuth.add(azimuth);
+            let mean = self.mean_azimuth.get_or_insert(azimuth);
+            *mean += turned(azimuth - *mean) * DT / MEAN_TIME;
+            self.azimuth.add(turned(*mean));
             if out.estimate.heading_sd < UNSURE {
                 self.unnoticed.add(azimuth);
             }

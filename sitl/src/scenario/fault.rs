@@ -36,6 +36,10 @@ pub enum FaultKind {
     BarometerOffset,
     /// The encoder of the winch shows `value` m too much.
     LengthOffset,
+    /// The station's encoder shows an azimuth of `value` rad too much.
+    FairleadOffset,
+    /// A field of `value` µT along the right arm comes on top of the earth's.
+    CompassDisturbed,
     /// A force of `value` N from the South.
     PushNorth,
     /// A force of `value` N from the West.

@@ -61,8 +61,14 @@ impl LineSensors {
         second.map_err(|e| format!("second ICM-42688-P: {e:?}"))
     }
 
-    /// One millisecond: exposes the parts to the world.
-    pub fn expose(&mut self, plant: &Plant, noise: &SensorSection, to_chip: &Matrix3<f64>) {
+    /// One millisecond: exposes the parts to the world, with a field along the right arm, T, that is not the earth's.
+    pub fn expose(
+        &mut self,
+        plant: &Plant,
+        noise: &SensorSection,
+        to_chip: &Matrix3<f64>,
+        disturbance: f64,
+    ) {
         let rng = &mut self.rng;
         if let Some(parts) = self.devices.angles() {
             let angles = angles(&line_in_body(plant));
@@ -80,6 +86,7 @@ impl LineSensors {
             let field = earth.component_mul(&self.soft_iron)
                 + self.hard_iron
                 + V3::from(CURRENT_FIELD) * current
+                + V3::y() * disturbance
                 + vector(rng, normal) * noise.magnetic_noise;
             part.set_field((to_chip * field).into());
         }

@@ -14,7 +14,7 @@ use nalgebra::{Matrix3, RowVector3};
 use rand_pcg::Pcg64Mcg;
 use station::StationSensors;
 use tautline_firmware::sense::{ImuScale, Mounting, RawSensors};
-use tautline_firmware::signal::{RawLineSensors, RawTether};
+use tautline_firmware::signal::{RawFairlead, RawLineSensors, RawTether};
 use tautline_firmware::time::{Micros, Sample};
 use tautline_hal_shim::battery::BatteryMonitor;
 use tautline_hal_shim::fake::{FakeClock, FakeDps310, FakeIcm42688, FakePin, FakeTfMini};
@@ -134,9 +134,14 @@ impl SensorSuite {
                 self.line.station_tension = Some(self.station.tension(plant, &mut self.rng));
             }
         }
-        self.at_vehicle.expose(plant, &self.noise, &self.to_chip);
+        let field = faults.value(FaultKind::CompassDisturbed, time).unwrap_or(0.0) * 1e-6;
+        self.at_vehicle.expose(plant, &self.noise, &self.to_chip, field);
         if self.noise.ground_angles && ms.is_multiple_of(WINCH_MS) {
-            self.line.fairlead = self.station.direction(plant);
+            let extra = faults.value(FaultKind::FairleadOffset, time).unwrap_or(0.0) as f32;
+            self.line.fairlead = self
+                .station
+                .direction(plant)
+                .map(|shown| RawFairlead { azimuth: shown.azimuth + extra, ..shown });
         }
     }
 

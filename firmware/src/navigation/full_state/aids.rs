@@ -21,6 +21,7 @@ const TAUT_STEPS: u8 = 75;
 const DOWN_MIN: f64 = 0.4;
 /// What its sensor's mounting is known to, rad.
 const MOUNTING_SD: f64 = 0.0136;
+const SYSTEMATIC_SD: f64 = 0.01;
 /// Of a load cell, N, and of the compass at 8 Hz, rad.
 const CELL_SD: f64 = 0.21;
 const COMPASS_SD: f64 = 0.1;
@@ -65,6 +66,11 @@ impl<S: Scalar> Aids<S> {
             wanted if wanted.contains(Aid::Angles) => Some(DirectionEnd::Vehicle),
             _ => None,
         }
+    }
+
+    /// What a direction's sensor may be wrong by all the time, beyond its noise, by the distance: hysteresis, bow.
+    pub fn systematic(&self) -> S {
+        if self.end().is_some() { S::lit(SYSTEMATIC_SD) } else { S::zero() }
     }
 
     /// Something holds the azimuth.

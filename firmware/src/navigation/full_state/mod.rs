@@ -21,6 +21,7 @@ use crate::estimate::full_state::{
 };
 use crate::frames::{V3, World};
 use crate::math::filter::{Biquad, Biquad3State, BiquadState};
+use crate::math::so3;
 use crate::model::{Line, TetherKind};
 use crate::param::Params;
 use crate::scalar::Scalar;
@@ -373,7 +374,7 @@ impl<S: Scalar> FullFlight<S> {
             is_taut: flying.line.slackness.is_taut,
             is_gone: flying.is_gone,
             aids: self.report(flying),
-            sd: position_sd(state),
+            sd: position_sd(state, self.aids.systematic()),
             air_force: World(state.air_force() - state.velocity * self.filter.model.drag),
             health: flying.health.means,
             restarts: flying.restarts,
@@ -391,10 +392,12 @@ impl<S: Scalar> FullFlightState<S> {
 }
 
 /// One standard deviation of the place, m.
-fn position_sd<S: Scalar>(state: &FullState<S>) -> V3<S> {
+fn position_sd<S: Scalar>(state: &FullState<S>, systematic: S) -> V3<S> {
     let variances = state.covariance.variances(POSITION);
     let wind = state.wind;
     let is_windy = wind.x * wind.x + wind.y * wind.y > S::lit(WINDY * WINDY);
     let more = if is_windy { S::lit(WINDY_VARIANCE) } else { S::one() };
-    V3::new((variances.x * more).sqrt(), (variances.y * more).sqrt(), variances.z.sqrt())
+    let always = systematic * systematic * so3::dot(&state.position, &state.position);
+    let level = |variance: S| (variance * more + always).sqrt();
+    V3::new(level(variances.x), level(variances.y), variances.z.sqrt())
 }
