@@ -112,6 +112,8 @@ fn experiments() -> Outcome {
         ("thrust-flight", 2),
         ("line-flights", 1),
         ("fullstate-table", 5),
+        ("fullstate-faults", 3),
+        ("which-sensor", 3),
         ("fixed-point", 1),
         ("pendulum-sweeps", 1),
         ("pendulum-flight", 2),

@@ -72,8 +72,10 @@ mod tests {
         // √(σ_b² t² + q² t³ / 3): 0.14 rad.
         let expected = ((BIAS_SD * 400.0).powi(2) + WALK * WALK * 400_f64.powi(3) / 3.0).sqrt();
         assert!((sd / expected - 1.0).abs() < 0.01, "{sd} {expected}");
+        let mut cold = drift;
+        (0..400).for_each(|_| cold.step(25.0));
         (0..400).for_each(|_| drift.step(35.0));
-        assert!(drift.variance() > 0.3, "a warmer gyro is another one");
+        assert!(drift.variance() > cold.variance() + 0.03, "a warmer gyro is another one");
     }
 
     #[test]
