@@ -15,6 +15,7 @@ use mavlink::{MavlinkVersion, MessageData};
 const GCS: u8 = 6;
 /// SET_POSITION_TARGET: bits of the type mask, and the only frame understood (LOCAL_NED).
 const IGNORE_X: u16 = 1;
+const IGNORE_VX: u16 = 1 << 3;
 const IGNORE_YAW: u16 = 1 << 10;
 const LOCAL_NED: u8 = 1;
 /// FTP: reply codes and the error that ends a client's wait at once.
@@ -138,12 +139,17 @@ impl Session {
         let asked = |at: usize, bit: u16| (mask & bit == 0).then(|| frame.float(at));
         let ned = [asked(4, IGNORE_X), asked(8, IGNORE_X << 1), asked(12, IGNORE_X << 2)];
         let yaw = asked(40, IGNORE_YAW);
-        let is_finite = ned.iter().flatten().chain(&yaw).all(|v| v.is_finite());
-        let says_nothing = ned.iter().all(Option::is_none) && yaw.is_none();
+        let velocity = [asked(16, IGNORE_VX), asked(20, IGNORE_VX << 1), asked(24, IGNORE_VX << 2)];
+        let moves = velocity.iter().flatten().any(|v| *v != 0.0);
+        let says_nothing = ned.iter().chain(&velocity).all(Option::is_none) && yaw.is_none();
+        let is_finite = ned.iter().chain(&velocity).flatten().chain(&yaw).all(|v| v.is_finite());
         if !is_finite || says_nothing || frame.byte(52) != LOCAL_NED {
             return self.refuse();
         }
-        self.queue(Request { ticket: Ticket::default(), action: Action::MoveTo { ned, yaw } });
+        let velocity = velocity.map(Option::unwrap_or_default);
+        let action =
+            if moves { Action::Stream { ned, velocity, yaw } } else { Action::MoveTo { ned, yaw } };
+        self.queue(Request { ticket: Ticket::default(), action });
     }
 
     /// There are no files, but silence costs clients seconds: say so at once.

@@ -11,10 +11,14 @@ use crate::scalar::Scalar;
 use crate::signal::{Action, FlightReference, SphericalPoint};
 use crate::supervisor::GroundState;
 use crate::time::OUTER_DT;
-use crate::trajectory::{Plan, direction_of};
+use crate::trajectory::{Plan, STREAM_TIME, direction_of};
 
 /// Set-points closer than this in every coordinate are the same, m.
 pub(super) const SAME_PLACE: f64 = 0.01;
+/// A set-point of a stream further from the reference than this, m, is flown to first; and how much faster than
+/// CRUISE it may be.
+const STREAM_NEAR: f32 = 1.0;
+const STREAM_FAST: f32 = 2.0;
 /// Slack on a fixed length: within this share of it the link is looked for radially, further in by position.
 const NEARLY_TAUT: f64 = 0.85;
 /// Radial speed that looks for the link, m/s.
@@ -108,6 +112,9 @@ pub(super) fn command<S: Scalar>(
             Ok(None)
         }
         Action::MoveTo { ned, yaw } => go_to(handover, ned, yaw, cx).map(|()| None),
+        Action::Stream { ned, velocity, yaw } => {
+            stream(handover, (ned, velocity, yaw), cx).map(|()| None)
+        }
         Action::MoveTether { elevation, azimuth, length, tension } => {
             let now = end(handover, cx)?;
             if let Some(tension) = tension {
@@ -171,8 +178,42 @@ fn go_to<S: Scalar>(
     Ok(())
 }
 
-fn go<S: Scalar>(
+/// A set-point of a stream: followed as it is, if it is near and slow enough; else it is a place to go to.
+fn stream<S: Scalar>(
     handover: &mut Handover<S>,
+    (ned, velocity, yaw): ([Option<f32>; 3], [f32; 3], Option<f32>),
+    cx: &Context<'_, S>,
+) -> Result<(), Refusal> {
+    let planned = end(handover, cx)?.to_world().0;
+    check_heading(yaw)?;
+    let single = |v: &V3<S>| v.map(Scalar::to_f32);
+    let here = cx.situation.setpoints.reference.map_or(planned, |r| single(&r.position.0));
+    let [north, east, down] = ned;
+    let mut from = V3::new(north.unwrap_or(here.x), east.unwrap_or(here.y), down.unwrap_or(here.z));
+    let mut velocity = V3::from(velocity);
+    if so3::norm(&(from - here)) > STREAM_NEAR {
+        return go_to(handover, ned, yaw, cx);
+    }
+    if so3::norm(&velocity) > STREAM_FAST * cx.params.cruise_speed {
+        return Err(denied("Set-point refused: too fast"));
+    }
+    if cx.config.constants.radial_control == RadialControl::FixedLength {
+        let up = from / so3::norm(&from).max(0.1);
+        from = up * cx.params.tether_length;
+        velocity = so3::reject(&velocity, &up);
+    }
+    let ahead = from + velocity * STREAM_TIME as f32;
+    check(&SphericalPoint::from_world(&World(ahead)), handover.tension.to_f32(), cx)?;
+    let wide = |v: V3<f32>| World(v.map(S::from_f32));
+    handover.plan = Plan::stream(wide(from), wide(velocity));
+    if let Some(yaw) = yaw {
+        handover.heading = S::from_f32(yaw);
+    }
+    Ok(())
+}
+
+/// Whether a place may be flown to.
+fn check<S: Scalar>(
     to: &SphericalPoint<f32>,
     tension: f32,
     cx: &Context<'_, S>,
@@ -195,7 +236,16 @@ fn go<S: Scalar>(
     if is_fixed && (to.length - p.tether_length).abs() > LENGTH_TOLERANCE {
         return Err(denied("Move refused: the tether has a fixed length"));
     }
-    feasible::check(&feasible::MOVE, to, tension, cx)?;
+    feasible::check(&feasible::MOVE, to, tension, cx)
+}
+
+fn go<S: Scalar>(
+    handover: &mut Handover<S>,
+    to: &SphericalPoint<f32>,
+    tension: f32,
+    cx: &Context<'_, S>,
+) -> Result<(), Refusal> {
+    check(to, tension, cx)?;
     let to = SphericalPoint {
         elevation: S::from_f32(to.elevation),
         azimuth: S::from_f32(to.azimuth),

@@ -49,6 +49,15 @@ pub enum Action {
         /// Heading, rad from North.
         yaw: Option<f32>,
     },
+    /// One set-point of a stream: a place, `None` for where the reference is, and its velocity, world axes.
+    Stream {
+        /// m.
+        ned: [Option<f32>; 3],
+        /// m/s.
+        velocity: [f32; 3],
+        /// Heading, rad from North.
+        yaw: Option<f32>,
+    },
     /// Move in tether coordinates; `None` keeps a coordinate.
     MoveTether {
         /// Above the horizontal.

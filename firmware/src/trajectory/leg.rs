@@ -23,6 +23,13 @@ pub enum Shape<S: Scalar> {
         /// To.
         to: SphericalPoint<S>,
     },
+    /// Straight on, neither starting nor ending at rest: until the next set-point of a stream.
+    Stream {
+        /// From.
+        from: World<V3<S>>,
+        /// m/s.
+        velocity: World<V3<S>>,
+    },
 }
 
 /// A shape flown in a given time.
@@ -38,6 +45,8 @@ impl<S: Scalar> Leg<S> {
     pub fn within_speed(shape: Shape<S>, speed: S, shortest: S) -> Self {
         let distance = match &shape {
             Shape::Line { from, to } => so3::norm(&(to.0 - from.0)),
+            // Flown in a given time.
+            Shape::Stream { .. } => S::zero(),
             Shape::Sphere { from, to } => {
                 let reach = from.length.max(to.length);
                 let turn = (to.elevation - from.elevation).abs()
@@ -61,7 +70,7 @@ impl<S: Scalar> Leg<S> {
         self.duration
     }
 
-    /// Position, m, and velocity, m/s, at a time since the start, s; at rest before and after.
+    /// Position, m, and velocity, m/s, at a time since the start, s; at rest before and after, but for a stream's.
     #[must_use]
     pub fn at(&self, time: S) -> (World<V3<S>>, World<V3<S>>) {
         let (s, slope) = smooth_step(time / self.duration);
@@ -70,6 +79,11 @@ impl<S: Scalar> Leg<S> {
             Shape::Line { from, to } => {
                 let way = to.0 - from.0;
                 (World(from.0 + way * s), World(way * rate))
+            }
+            Shape::Stream { from, velocity } => {
+                let runs = time < self.duration;
+                let way = velocity.0 * time.min(self.duration);
+                (World(from.0 + way), if runs { *velocity } else { World(V3::zeros()) })
             }
             Shape::Sphere { from, to } => {
                 let turn = V3::new(
@@ -92,6 +106,7 @@ impl<S: Scalar> Leg<S> {
     pub fn end(&self) -> World<V3<S>> {
         match &self.shape {
             Shape::Line { to, .. } => *to,
+            Shape::Stream { from, velocity } => World(from.0 + velocity.0 * self.duration),
             Shape::Sphere { to, .. } => to.to_world(),
         }
     }

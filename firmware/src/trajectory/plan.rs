@@ -15,6 +15,9 @@ const BELOW_GROUND: f64 = 0.7;
 /// Elevation up to which a fixed-length take-off lifts first, rad (8°).
 const LIFT_ELEVATION: f64 = 0.14;
 
+/// How long a set-point of a stream holds, s.
+pub const STREAM_TIME: f64 = 0.5;
+
 /// Legs and the time spent in the present one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Plan<S: Scalar> {
@@ -28,6 +31,13 @@ impl<S: Scalar> Plan<S> {
     #[must_use]
     pub fn stay(at: World<V3<S>>) -> Self {
         Self::of(Leg::timed(Shape::Line { from: at, to: at }, S::zero()), [None, None])
+    }
+
+    /// A set-point of a stream: straight on, and at rest where the next one does not come in time.
+    #[must_use]
+    pub fn stream(from: World<V3<S>>, velocity: World<V3<S>>) -> Self {
+        let leg = Leg::timed(Shape::Stream { from, velocity }, S::lit(STREAM_TIME));
+        Self::of(leg, [None, None])
     }
 
     fn of(leg: Leg<S>, next: [Option<Leg<S>>; 2]) -> Self {

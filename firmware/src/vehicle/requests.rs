@@ -76,9 +76,10 @@ impl<S: Scalar> Vehicle<S> {
             Action::Pause => self
                 .request_mode(&Entry::of(Mode::default()), at)
                 .and_then(|()| self.command(&request.action, at)),
-            Action::MoveTo { .. } | Action::MoveTether { .. } | Action::MoveTaut { .. } => {
-                self.command(&request.action, at)
-            }
+            Action::MoveTo { .. }
+            | Action::Stream { .. }
+            | Action::MoveTether { .. }
+            | Action::MoveTaut { .. } => self.command(&request.action, at),
             Action::SetParam { index, value } => {
                 parameter = Some(index);
                 self.set_param(index, value, at, events)
