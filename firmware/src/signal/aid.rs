@@ -29,7 +29,7 @@ impl Aid {
         match self {
             Self::Angles => "Line angles contradict: not used",
             Self::Fairlead => "Station's line direction contradicts: not used",
-            Self::Cell => "Load cell contradicts: not used",
+            Self::Cell => "Load cell contradicts: counts for little",
             Self::Compass => "Compass contradicts: not used",
             Self::Position => "External position contradicts: not used",
             Self::Velocity => "External velocity contradicts: not used",

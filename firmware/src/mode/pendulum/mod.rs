@@ -256,9 +256,13 @@ impl<S: Scalar> FlightMode<S> for Pendulum<S> {
         action: &Action,
         cx: &Context<'_, S>,
     ) -> Result<(), Refusal> {
-        let Action::MoveTo { ned, yaw } = *action else {
+        // Of a stream the places: the load's own plan makes the velocity.
+        let (Action::MoveTo { ned, yaw } | Action::Stream { ned, yaw, .. }) = *action else {
             return Err(super::refusal::not_here(action));
         };
+        if ned.iter().all(Option::is_none) && yaw.is_none() {
+            return Err(super::refusal::not_here(action));
+        }
         check_heading(yaw)?;
         if ned.iter().flatten().any(|x| x.is_nan() || x.abs() > cx.params.length_max) {
             return Err(denied("Move refused: out of range"));
