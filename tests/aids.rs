@@ -79,7 +79,11 @@ fn turned(flight: &Flight<Vec<u8>>) -> (f64, f64) {
 fn breaks(flight: &mut Flight<Vec<u8>>, kind: FaultKind, value: f64, duration: f64) {
     let at = flight.world.now().0 as f64 * 1e-6;
     let duration = Some(duration);
-    flight.world.environment.faults.add(FaultSection { kind, at, duration, value });
+    flight
+        .world
+        .environment
+        .faults
+        .add(FaultSection { duration, ..FaultSection::new(kind, value, at) });
 }
 
 #[test]

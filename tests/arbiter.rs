@@ -117,7 +117,7 @@ fn in_mode_of(mode: Mode, seed: u64) -> Flight<Vec<u8>> {
 fn watch(flight: &mut Flight<Vec<u8>>, (kind, value): (FaultKind, f64), seconds: f64) {
     let start = *flight.step(&mut |_| {});
     let at = flight.world.now().0 as f64 * 1e-6;
-    flight.world.environment.faults.add(FaultSection { kind, at, duration: None, value });
+    flight.world.environment.faults.add(FaultSection::new(kind, value, at));
     let told = flight.events.len();
     let end = flight.world.time() + seconds;
     let mut last = start;
@@ -195,7 +195,7 @@ fn cut_in(mode: Mode, seed: u64) -> (Flight<Vec<u8>>, StepOutput) {
     let mut flight = in_mode_of(mode, seed);
     let at = flight.world.now().0 as f64 * 1e-6;
     let kind = FaultKind::TetherBroken;
-    flight.world.environment.faults.add(FaultSection { kind, at, duration: None, value: 0.0 });
+    flight.world.environment.faults.add(FaultSection::new(kind, 0.0, at));
     let out = until(&mut flight, 3.0, |out| out.mode == Mode::Descent);
     (flight, out)
 }

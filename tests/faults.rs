@@ -17,7 +17,7 @@ fn broken_in_hold(kind: FaultKind, value: f64) -> Flight<Vec<u8>> {
     });
     run(&mut flight, 5.0);
     let at = flight.world.now().0 as f64 * 1e-6;
-    flight.world.environment.faults.add(FaultSection { kind, at, duration: None, value });
+    flight.world.environment.faults.add(FaultSection::new(kind, value, at));
     flight
 }
 
@@ -79,7 +79,11 @@ fn without_any_altimeter_it_descends_level_and_stops() {
     assert!(told(&flight, "Altimeter lost: descending"));
     down(&mut flight, 60.0);
     assert!(upright(&flight));
-    assert!(flight.metrics.touch_down.unwrap() < 2.5, "{:?}", flight.metrics.touch_down);
+    assert!(
+        flight.metrics.verdict.touch_down.unwrap() < 2.5,
+        "{:?}",
+        flight.metrics.verdict.touch_down
+    );
 }
 
 #[test]
@@ -88,7 +92,11 @@ fn a_broken_tether_ends_in_a_level_descent() {
     until(&mut flight, 10.0, |out| out.mode == Mode::Descent);
     down(&mut flight, 60.0);
     assert!(upright(&flight));
-    assert!(flight.metrics.touch_down.unwrap() < 1.0, "{:?}", flight.metrics.touch_down);
+    assert!(
+        flight.metrics.verdict.touch_down.unwrap() < 1.0,
+        "{:?}",
+        flight.metrics.verdict.touch_down
+    );
 }
 
 #[test]
@@ -139,12 +147,8 @@ fn a_fault_on_the_ground_refuses_arming_and_a_fault_while_armed_there_disarms() 
     );
     until(&mut flight, 10.0, |out| out.is_armed);
     let at = flight.world.now().0 as f64 * 1e-6;
-    flight.world.environment.faults.add(FaultSection {
-        kind: FaultKind::WinchSilent,
-        at,
-        duration: None,
-        value: 0.0,
-    });
+    let silent = FaultSection::new(FaultKind::WinchSilent, 0.0, at);
+    flight.world.environment.faults.add(silent);
     until(&mut flight, 3.0, |out| !out.is_armed);
     assert!(told(&flight, "Disarmed: failsafe on the ground"));
     let out = run(&mut flight, 1.0);
@@ -160,4 +164,31 @@ fn armed_on_the_ground_without_takeoff_the_motors_stop_by_themselves() {
     until(&mut flight, 10.0, |out| out.is_armed);
     until(&mut flight, 20.0, |out| !out.is_armed);
     assert!(told(&flight, "Disarmed: no take-off"));
+}
+
+#[test]
+fn a_ground_station_breaks_and_mends_a_running_simulation() {
+    use tautline_sitl::flight::MavlinkSender;
+    let mut flight = flight(HOLD, 3);
+    until(&mut flight, 80.0, |out| {
+        out.mode == Mode::TetherHold && out.ground == GroundState::InAir
+    });
+    let mut station = MavlinkSender::new(255, 190);
+    let mut inject = |flight: &mut Flight<Vec<u8>>, failure: f32| {
+        let message = mavlink::dialects::common::COMMAND_LONG_DATA {
+            command: mavlink::dialects::common::MavCmd::MAV_CMD_INJECT_FAILURE,
+            // The rangefinder.
+            param1: 7.0,
+            param2: failure,
+            target_system: 1,
+            target_component: 1,
+            ..Default::default()
+        };
+        let mut answers = 0;
+        flight.world.receive(&station.frame(&message), &mut |_| answers += 1);
+        assert_eq!(answers, 1);
+        run(flight, 1.0).sensors.altitude_is_ranged
+    };
+    assert!(!inject(&mut flight, 1.0), "off");
+    assert!(inject(&mut flight, 0.0), "on again");
 }

@@ -20,6 +20,7 @@ fn a_calm_flight_on_the_winch_meets_its_bounds() {
         hold_vertical_rms_m: Some(0.15),
         touch_down_mps: Some(0.7),
         attitude_rms_rad: Some(0.035),
+        ..Limits::default()
     };
     let outcome = fly(&scenario("calm"), 1, &limits);
     assert!(outcome.pass, "{outcome:?}");
@@ -31,7 +32,7 @@ fn a_calm_flight_on_a_fixed_tether_meets_the_same_bounds() {
         hold_horizontal_rms_m: Some(0.4),
         hold_vertical_rms_m: Some(0.15),
         touch_down_mps: Some(0.7),
-        attitude_rms_rad: None,
+        ..Limits::default()
     };
     let outcome = fly(&scenario("fixed"), 1, &limits);
     assert!(outcome.pass, "{outcome:?}");

@@ -53,7 +53,11 @@ fn flown(kind: &str, wind: f64, params: &str) -> PlaceSummary {
 
 fn breaks(flight: &mut Flight<Vec<u8>>, kind: FaultKind, value: f64, duration: Option<f64>) {
     let at = flight.world.now().0 as f64 * 1e-6;
-    flight.world.environment.faults.add(FaultSection { kind, at, duration, value });
+    flight
+        .world
+        .environment
+        .faults
+        .add(FaultSection { duration, ..FaultSection::new(kind, value, at) });
 }
 
 fn told(flight: &Flight<Vec<u8>>, text: &str) -> usize {

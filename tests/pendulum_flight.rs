@@ -33,7 +33,11 @@ fn balancing(change: impl FnOnce(&mut Scenario)) -> Flight<Vec<u8>> {
 
 fn break_now(flight: &mut Flight<Vec<u8>>, kind: FaultKind, duration: Option<f64>) {
     let at = flight.world.now().0 as f64 * 1e-6;
-    flight.world.environment.faults.add(FaultSection { kind, at, duration, value: 0.0 });
+    flight
+        .world
+        .environment
+        .faults
+        .add(FaultSection { duration, ..FaultSection::new(kind, 0.0, at) });
 }
 
 fn told(flight: &Flight<Vec<u8>>, text: &str) -> bool {

@@ -102,7 +102,7 @@ fn a_slack_hover_is_left_downwards_only() {
     let seen = until(&mut flight, 5.0, |out| out.mode != Mode::Takeoff);
     assert_eq!(seen.mode, Mode::Descent, "{:?}", flight.events);
     until(&mut flight, 30.0, |out| !out.is_armed);
-    assert!(flight.metrics.touch_down.unwrap() < 0.8);
+    assert!(flight.metrics.verdict.touch_down.unwrap() < 0.8);
 }
 
 #[test]
@@ -241,7 +241,7 @@ fn a_lost_ground_station_ends_a_taut_link_mode_in_a_landing() {
     until(&mut flight, 60.0, |out| out.mode == Mode::TautAttitude);
     until(&mut flight, 60.0, |out| out.mode == Mode::Land);
     until(&mut flight, 60.0, |out| !out.is_armed);
-    assert!(flight.metrics.touch_down.unwrap() < 0.8);
+    assert!(flight.metrics.verdict.touch_down.unwrap() < 0.8);
 }
 
 #[test]

@@ -280,7 +280,7 @@ fn a_lost_ground_station_ends_the_mode_in_a_landing() {
     until(&mut flight, 60.0, |out| out.mode == Mode::TetherAngle);
     until(&mut flight, 60.0, |out| out.mode == Mode::Land);
     until(&mut flight, 60.0, |out| !out.is_armed);
-    assert!(flight.metrics.touch_down.unwrap() < 0.8);
+    assert!(flight.metrics.verdict.touch_down.unwrap() < 0.8);
 }
 
 #[test]

@@ -29,7 +29,7 @@ fn holding(more: &str) -> Flight<Vec<u8>> {
 
 fn break_now(flight: &mut Flight<Vec<u8>>, kind: FaultKind, value: f64) {
     let at = flight.world.now().0 as f64 * 1e-6;
-    flight.world.environment.faults.add(FaultSection { kind, at, duration: None, value });
+    flight.world.environment.faults.add(FaultSection::new(kind, value, at));
 }
 
 fn landed(flight: &mut Flight<Vec<u8>>, limit: f64) -> StepOutput {

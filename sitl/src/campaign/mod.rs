@@ -42,6 +42,12 @@ pub struct Limits {
     pub hold_vertical_rms_m: Option<f64>,
     /// m/s.
     pub touch_down_mps: Option<f64>,
+    /// Sideways, m/s.
+    pub touch_down_drift_mps: Option<f64>,
+    /// From where it stood, m.
+    pub touch_down_from_pad_m: Option<f64>,
+    /// rad.
+    pub tilt_max_rad: Option<f64>,
     /// rad.
     pub attitude_rms_rad: Option<f64>,
 }
@@ -141,6 +147,9 @@ pub fn fly(scenario: &Scenario, seed: u64, limits: &Limits) -> Outcome {
         ("hold_horizontal_rms_m", summary.hold_horizontal_rms_m, limits.hold_horizontal_rms_m),
         ("hold_vertical_rms_m", summary.hold_vertical_rms_m, limits.hold_vertical_rms_m),
         ("touch_down_mps", summary.touch_down_mps, limits.touch_down_mps),
+        ("touch_down_drift_mps", summary.touch_down_drift_mps, limits.touch_down_drift_mps),
+        ("touch_down_from_pad_m", summary.touch_down_from_pad_m, limits.touch_down_from_pad_m),
+        ("tilt_max_rad", Some(summary.tilt_max_rad), limits.tilt_max_rad),
         ("attitude_rms_rad", summary.attitude_rms_rad, limits.attitude_rms_rad),
     ];
     for (name, value, limit) in bounds {

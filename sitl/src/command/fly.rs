@@ -1,6 +1,7 @@
 //! `cargo sitl [fly]`.
 
 use super::Failure;
+use super::console::Console;
 use super::status::StatusLine;
 use crate::flight::{Autopilot, Flight, Progress, Shadow, Udp};
 use crate::scenario::{Arithmetic, Scenario, Step, TetherKind, params_file, set_param};
@@ -196,6 +197,9 @@ pub fn run(options: &Options) -> Result<(), Failure> {
         scenario.mission = standard_mission();
     }
     let params = parameters(options, &scenario)?;
+    for warning in scenario.contradictions(&params).map_err(|e| Failure::Usage(e.0))? {
+        eprintln!("warning: {warning}");
+    }
     let mut udp = if options.headless {
         None
     } else {
@@ -240,10 +244,14 @@ fn simulate(
     let limit = options.duration.unwrap_or(f64::INFINITY);
     let began = Instant::now();
     let mut printed = 0;
+    let console = (!options.headless).then(Console::open);
     while !stop.load(Ordering::Relaxed)
         && flight.world.time() < limit
         && !(has_mission && flight.is_over())
     {
+        if let Some(console) = &console {
+            console.serve(flight, |line| status.print(line));
+        }
         if let Some(udp) = udp.as_deref_mut() {
             let mut answers = Vec::new();
             udp.receive(|datagram| {

@@ -9,10 +9,12 @@ macro_rules! say {
 }
 
 mod campaign;
+mod console;
 mod emulate;
 mod experiment;
 mod fly;
 mod plot;
+mod scenario;
 mod speed;
 mod status;
 mod sysid;
@@ -60,6 +62,8 @@ enum Command {
     Speed(speed::Options),
     /// Draw a log.
     Plot(plot::Options),
+    /// Print a scenario with every key, or check one.
+    Scenario(scenario::Options),
     /// Print all parameters in QGroundControl's file format.
     #[command(after_help = "Example:\n  cargo sitl params > mine.params")]
     Params,
@@ -89,6 +93,7 @@ pub fn run() -> ExitCode {
         Some(Command::Sysid(options)) => sysid::run(&options),
         Some(Command::Speed(options)) => speed::run(&options),
         Some(Command::Plot(options)) => plot::run(&options),
+        Some(Command::Scenario(options)) => scenario::run(&options),
         Some(Command::Params) => {
             say!(
                 "{}",

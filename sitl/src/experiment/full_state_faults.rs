@@ -149,7 +149,9 @@ fn scenario(case: &Case) -> Result<Scenario, String> {
     );
     let mut scenario = Scenario::parse(&text, case.name).map_err(|e| e.0)?;
     if let Some((kind, value, duration)) = case.fault {
-        scenario.fault.push(FaultSection { kind, at: AT, duration: Some(duration), value });
+        scenario
+            .fault
+            .push(FaultSection { duration: Some(duration), ..FaultSection::new(kind, value, AT) });
     }
     Ok(scenario)
 }

@@ -1,7 +1,8 @@
 //! Everything but the firmware: the physical world, the vehicle's devices, and its companions.
 
+use super::breakage::Breakage;
 use super::capture::MotionCapture;
-use crate::plant::{Disturbance, Plant, PlantModel, Push, V3, generator};
+use crate::plant::{Disturbance, Plant, PlantModel, Push, generator};
 use crate::scenario::{DisturbanceKind, FaultKind, Faults, Scenario, Source};
 use crate::sensor::SensorSuite;
 use std::f64::consts::PI;
@@ -25,6 +26,7 @@ pub struct Environment {
     pub sensors: SensorSuite,
     /// Faults.
     pub faults: Faults,
+    breakage: Breakage,
     capture: Option<MotionCapture>,
     /// From the change of mode until the rod is released, s; and when that change was, s.
     reaction: f64,
@@ -47,6 +49,7 @@ impl Environment {
         let mounting = Mounting::from_parameter(params.board_rotation).unwrap_or(Mounting::ALIGNED);
         let has_capture = scenario.capture.rate > 0.0;
         Self {
+            breakage: Breakage::new(&plant),
             plant,
             sensors: SensorSuite::new(scenario, clock.clone(), mounting, seed),
             faults: Faults::new(&scenario.fault),
@@ -96,31 +99,13 @@ impl Environment {
     }
 
     /// One millisecond of physics, with the commands of the motors and the winch.
-    pub fn advance(&mut self, escs: &[FakeEsc], winch: f64) {
+    pub fn advance(&mut self, escs: &[FakeEsc], mut winch: f64) {
         let mut throttle = [0.0; MAX_ROTORS];
         for (throttle, esc) in throttle.iter_mut().zip(escs) {
             *throttle = esc.throttle();
         }
         let time = self.clock.now_us() as f64 * 1e-6;
-        if let Some(charge) = self.faults.value(FaultKind::BatteryAt, time) {
-            self.plant.battery.charge = self.plant.battery.charge.min(charge.clamp(0.0, 1.0));
-        }
-        let broken_at = self.faults.value(FaultKind::TetherBroken, time);
-        let tether = &mut self.plant.model_mut().tether;
-        tether.is_broken = broken_at.is_some();
-        tether.broken_at = broken_at.unwrap_or(tether.broken_at);
-        match self.faults.value(FaultKind::Snag, time) {
-            Some(share) => self.plant.catch_line(share),
-            None => self.plant.tether.release(),
-        }
-        let newtons = |kind| self.faults.value(kind, time).unwrap_or(0.0);
-        self.plant.force = V3::new(
-            newtons(FaultKind::PushNorth),
-            newtons(FaultKind::PushEast),
-            newtons(FaultKind::PushDown),
-        );
-        let share = self.faults.value(FaultKind::ThrustShare, time).unwrap_or(1.0);
-        self.plant.model_mut().rotor.strength = share;
+        self.breakage.apply(&mut self.faults, time, &mut self.plant, &mut throttle, &mut winch);
         self.plant.step(&throttle, winch);
         self.clock.advance_to(self.clock.now_us() + STEP_US);
     }

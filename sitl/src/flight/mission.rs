@@ -17,6 +17,9 @@ const COMPONENT: u8 = 190;
 const TIMEOUT: f64 = 120.0;
 const TIMEOUT_PER_METRE: f64 = 3.0;
 const HEARTBEAT_PERIOD: f64 = 0.5;
+/// A vehicle that cannot be armed by then is asked once, for its reason, s, and given up soon after, s.
+const ASK_UNARMABLE: f64 = 60.0;
+const GIVE_UP: f64 = 2.0;
 /// A command is sent again after this time, s.
 const REPEAT: f64 = 1.0;
 /// Of the joystick, s.
@@ -123,6 +126,12 @@ impl MissionRunner {
         }
     }
 
+    /// The step under way, from 1.
+    #[must_use]
+    pub fn step_number(&self) -> usize {
+        self.at + 1
+    }
+
     /// How the mission stands.
     #[must_use]
     pub fn progress(&self) -> &Progress {
@@ -192,6 +201,10 @@ impl MissionRunner {
             Step::Land => TIMEOUT + TIMEOUT_PER_METRE * self.highest,
             _ => TIMEOUT,
         };
+        if step == Step::Arm && waited > ASK_UNARMABLE + GIVE_UP {
+            self.progress = Progress::Failed("never armed".into());
+            return;
+        }
         if waited > timeout {
             self.progress = Progress::Failed(format!("{step:?} not done after {timeout} s"));
             return;
@@ -202,7 +215,7 @@ impl MissionRunner {
             return;
         }
         if self.commanded_at.is_none_or(|at| time > at + REPEAT)
-            && self.command(&step, status, send)
+            && self.command(&step, status, waited, send)
         {
             self.commanded_at = Some(time);
         }
@@ -238,13 +251,20 @@ impl MissionRunner {
     }
 
     /// Sends what the step needs; false when nothing is to be sent.
-    fn command(&mut self, step: &Step, status: &Status, send: &mut dyn FnMut(&[u8])) -> bool {
+    fn command(
+        &mut self,
+        step: &Step,
+        status: &Status,
+        waited: f64,
+        send: &mut dyn FnMut(&[u8]),
+    ) -> bool {
         let degrees = |x: &Option<f64>| x.map_or(f32::NAN, |x| x.to_degrees() as f32);
         let plain = |x: &Option<f64>| x.map_or(f32::NAN, |x| x as f32);
         let mut p = [0.0_f32; 7];
         let command = match step {
             Step::Arm => {
-                if !status.is_armable {
+                let asks_why = waited > ASK_UNARMABLE && self.commanded_at.is_none();
+                if !status.is_armable && !asks_why {
                     return false;
                 }
                 p = [1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];

@@ -1,13 +1,16 @@
 //! A whole flight of a scenario, as fast as the machine can: for campaigns, tests and `--headless`.
 
 mod autopilot;
+mod breakage;
 mod capture;
 mod environment;
+mod injection;
 mod mavlink_sender;
 mod mission;
 mod recorder;
 mod shadow;
 mod udp;
+mod uplink;
 mod world;
 
 pub use autopilot::Autopilot;
@@ -110,6 +113,7 @@ impl<W: Write> Flight<W> {
         let time = self.world.time();
         let world = &mut self.world;
         self.mission.step(&status, time, &mut |frame| world.receive(frame, send));
+        self.world.environment.faults.reach_step(self.mission.step_number());
         self.mission.act_by_hand(&mut self.world.environment.plant);
         let (out, plant) = (self.world.vehicle.output(), &self.world.environment.plant);
         self.metrics.step(out, plant, self.mission.is_holding());

@@ -1,5 +1,7 @@
 //! One millisecond at a time: plant → sensors → drivers → the firmware's step → ESCs.
 
+use super::injection::Injection;
+use super::uplink::Uplink;
 use super::{Autopilot, Environment};
 use crate::scenario::{Scenario, ScenarioError, Source};
 use tautline_firmware::mavlink::Connection;
@@ -21,6 +23,8 @@ pub struct World {
     pub vehicle: Autopilot,
     /// Its MAVLink connection.
     pub connection: Connection,
+    injection: Injection,
+    uplink: Uplink,
     /// Somebody listens to the vehicle's telemetry.
     pub is_heard: bool,
 }
@@ -41,7 +45,15 @@ impl World {
         };
         let vehicle = Autopilot::new(scenario.scalar, params, environment.sensors.scale());
         environment.begin();
-        Ok(Self { environment, motors, vehicle, connection: Connection::new(), is_heard: true })
+        Ok(Self {
+            environment,
+            motors,
+            vehicle,
+            connection: Connection::new(),
+            injection: Injection::new(params.system_id as u8),
+            uplink: Uplink::new(seed),
+            is_heard: true,
+        })
     }
 
     /// µs since power-up.
@@ -56,8 +68,20 @@ impl World {
         self.environment.time()
     }
 
-    /// Hands the link a datagram of the ground station, unless the link is cut.
+    /// Hands the link a datagram of the ground station, unless the link is cut. One that injects a failure is for the
+    /// simulator.
     pub fn receive(&mut self, datagram: &[u8], send: &mut dyn FnMut(&[u8])) {
+        let time = self.environment.now().0 as f64 * 1e-6;
+        let faults = &mut self.environment.faults;
+        if self.injection.take(datagram, time, faults, send) {
+            return;
+        }
+        if self.uplink.passes(faults, time, datagram) {
+            self.hand_on(datagram, send);
+        }
+    }
+
+    fn hand_on(&mut self, datagram: &[u8], send: &mut dyn FnMut(&[u8])) {
         let (now, params, connection) =
             (self.environment.now(), self.vehicle.params(), &mut self.connection);
         self.environment.deliver(Source::Ground, datagram, &mut |datagram| {
@@ -67,6 +91,10 @@ impl World {
 
     /// One millisecond.
     pub fn step(&mut self, send: &mut dyn FnMut(&[u8])) -> &StepOutput {
+        let time = self.environment.now().0 as f64 * 1e-6;
+        while let Some(datagram) = self.uplink.arrived(time) {
+            self.hand_on(&datagram, send);
+        }
         let winch = f64::from(self.vehicle.winch_tension());
         self.environment.advance(self.motors.channels_mut(), winch);
         let (now, params) = (self.environment.now(), self.vehicle.params());

@@ -4,6 +4,7 @@ use super::angle::{AngleFlightSummary, AngleMetrics};
 use super::pendulum::{PendulumFlightSummary, PendulumMetrics};
 use super::place::{PlaceMetrics, PlaceSummary};
 use super::taut::{TautMetrics, TautSummary};
+use super::verdict::Verdict;
 use super::{PERIOD, Spread};
 use crate::plant::{Plant, V3};
 use nalgebra::Rotation3;
@@ -11,8 +12,7 @@ use serde::Serialize;
 use tautline_firmware::supervisor::{GroundState, Mode};
 use tautline_firmware::vehicle::StepOutput;
 
-/// Beyond these the vehicle counts as lost.
-const LOST_TILT: f64 = 1.22;
+/// Farther from the reference the vehicle counts as lost.
 const LOST_DISTANCE: f64 = 8.0;
 /// On a line so long that the same angle is more than that.
 const LOST_SHARE: f64 = 0.25;
@@ -32,12 +32,8 @@ pub struct Metrics {
     pub tilt: Spread,
     /// Error of the tension estimate in the air, N.
     pub tension: Spread,
-    /// Sink rate at the last touch-down after flight, m/s.
-    pub touch_down: Option<f64>,
-    /// Horizontal speed there, m/s.
-    pub touch_down_drift: Option<f64>,
-    /// Why the vehicle counts as lost.
-    pub lost: Option<&'static str>,
+    /// How it came down, and why the vehicle counts as lost.
+    pub verdict: Verdict,
     /// In Tether Hold.
     pub place: PlaceMetrics,
     /// In the taut-link modes.
@@ -48,8 +44,6 @@ pub struct Metrics {
     pub pendulum: PendulumMetrics,
     /// Largest squared-innovation ratios in the air: accelerometer, altitude, length.
     pub health_max: [f64; 3],
-    was_touching: bool,
-    has_flown: bool,
     steps: u32,
 }
 
@@ -74,6 +68,16 @@ pub struct Summary {
     pub touch_down_mps: Option<f64>,
     /// Horizontal speed.
     pub touch_down_drift_mps: Option<f64>,
+    /// From where it stood to where it came down.
+    pub touch_down_from_pad_m: Option<f64>,
+    /// From the anchor, level.
+    pub farthest_m: f64,
+    /// Over the ground.
+    pub highest_m: f64,
+    /// Largest.
+    pub tilt_max_rad: f64,
+    /// Motors were allowed to turn at some time.
+    pub has_armed: bool,
     /// In Tether Hold.
     pub place: Option<PlaceSummary>,
     /// In the taut-link modes.
@@ -97,15 +101,9 @@ impl Metrics {
     /// and then.
     pub fn step(&mut self, out: &StepOutput, plant: &Plant, is_holding: bool) {
         let body = &plant.body;
+        self.verdict.step(out, plant);
         let touches = plant.ground.is_touching();
         let in_air = matches!(out.ground, GroundState::InAir | GroundState::Landing) && !touches;
-        self.has_flown |= in_air && plant.height_over_ground() > 0.5;
-        if touches && !self.was_touching && self.has_flown {
-            self.touch_down = plant.ground.touch_down_speed.map(f64::abs);
-            self.touch_down_drift = Some(body.velocity.x.hypot(body.velocity.y));
-            self.has_flown = false;
-        }
-        self.was_touching = touches;
         self.steps = self.steps.wrapping_add(1);
         if !self.steps.is_multiple_of(PERIOD) {
             return;
@@ -115,7 +113,7 @@ impl Metrics {
         self.angle.step(out, plant);
         self.pendulum.step(out, plant);
         if let Some(why) = self.taut.lost.or(self.angle.lost).or(self.pendulum.lost) {
-            self.lost.get_or_insert(why);
+            self.verdict.lost.get_or_insert(why);
         }
         if !in_air {
             return;
@@ -149,14 +147,8 @@ impl Metrics {
             if error.norm() > LOST_DISTANCE.max(LOST_SHARE * plant.tether.length())
                 && out.mode != Mode::Land
             {
-                self.lost.get_or_insert("far from the reference");
+                self.verdict.lost.get_or_insert("far from the reference");
             }
-        }
-        if body.tilt() > LOST_TILT {
-            self.lost.get_or_insert("tilted over 70 deg");
-        }
-        if plant.height_over_ground() < 0.0 {
-            self.lost.get_or_insert("below the ground");
         }
     }
 
@@ -171,13 +163,18 @@ impl Metrics {
             attitude_rms_rad: self.attitude.rms(),
             tilt_rms_rad: self.tilt.rms(),
             tension_rms_n: self.tension.rms(),
-            touch_down_mps: self.touch_down,
-            touch_down_drift_mps: self.touch_down_drift,
+            touch_down_mps: self.verdict.touch_down,
+            touch_down_drift_mps: self.verdict.touch_down_drift,
+            touch_down_from_pad_m: self.verdict.from_pad,
+            farthest_m: self.verdict.farthest,
+            highest_m: self.verdict.highest,
+            tilt_max_rad: self.verdict.tilt_max,
+            has_armed: self.verdict.has_armed,
             place: self.place.summary(),
             taut: self.taut.summary(),
             angle: self.angle.summary(),
             pendulum: self.pendulum.summary(),
-            lost: self.lost,
+            lost: self.verdict.lost,
         }
     }
 }

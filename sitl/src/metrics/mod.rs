@@ -10,6 +10,7 @@ mod pendulum;
 mod place;
 mod spread;
 mod taut;
+mod verdict;
 
 pub use angle::{AngleFlightSummary, AngleMetrics};
 pub use flown::{Metrics, Summary};

@@ -21,9 +21,27 @@ pub struct Anchor {
     pub position: V3,
     /// m/s.
     pub velocity: V3,
+    /// The ground under the vehicle is so much higher than that: a fault, m.
+    pub raised: f64,
     walk: Option<(Walk, V3, f64)>,
     motion: Option<Motion>,
+    /// Of the deck about North and East, rad, and its rate, rad/s; both small.
+    tilt: V3,
+    tilt_rate: V3,
     time: f64,
+}
+
+/// The ground under the vehicle.
+#[derive(Clone, Copy, Debug)]
+pub struct Deck {
+    /// Where it turns about, NED, m.
+    pub place: V3,
+    /// m/s.
+    pub velocity: V3,
+    /// A small turn, world axes, rad.
+    pub tilt: V3,
+    /// rad/s.
+    pub rate: V3,
 }
 
 impl Anchor {
@@ -37,18 +55,20 @@ impl Anchor {
 
     /// Place and velocity of the ground under the vehicle: of a deck, not of whoever walks with the line.
     #[must_use]
-    pub fn deck(&self) -> (V3, V3) {
-        match self.motion {
+    pub fn deck(&self) -> Deck {
+        let (mut place, velocity) = match self.motion {
             Some(_) => (self.position, self.velocity),
             None => (V3::zeros(), V3::zeros()),
-        }
+        };
+        place.z -= self.raised;
+        Deck { place, velocity, tilt: self.tilt, rate: self.tilt_rate }
     }
 
     /// Height of that ground, m.
     #[must_use]
     #[inline]
     pub fn deck_height(&self) -> f64 {
-        if self.motion.is_some() { -self.position.z } else { 0.0 }
+        self.raised + if self.motion.is_some() { -self.position.z } else { 0.0 }
     }
 
     /// Starts a walk from where it is.
@@ -68,6 +88,7 @@ impl Anchor {
         if let Some(motion) = &self.motion {
             self.time += dt;
             (self.position, self.velocity) = motion.at(self.time);
+            (self.tilt, self.tilt_rate) = motion.tilt(self.time);
             return;
         }
         let Some((walk, from, time)) = &mut self.walk else { return };

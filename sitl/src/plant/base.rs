@@ -11,7 +11,18 @@ pub struct Motion {
     table: Vec<[f64; 4]>,
     /// Amplitude, m, and period, s: North, East, down.
     swell: [(f64, f64); 3],
+    /// Amplitude, rad, and period, s: about North, East.
+    rocking: [(f64, f64); 2],
 }
+
+/// Significant height of the waves of each sea state, m.
+const WAVES: [f64; 7] = [0.0, 0.1, 0.5, 1.25, 2.5, 4.0, 6.0];
+/// Of a sine with the same energy, per significant height; period, s, per its square root; roll and pitch of a
+/// vessel of 20 to 40 m, rad per metre.
+const SINE: f64 = 0.354;
+const PERIOD: f64 = 4.5;
+const ROLL: f64 = 0.05;
+const PITCH: f64 = 0.02;
 
 /// A swell grows from nothing over this time, s.
 const GROWS: f64 = 5.0;
@@ -20,14 +31,42 @@ impl Motion {
     /// As the scenario describes it; `None`: it stands still.
     #[must_use]
     pub fn new(base: &BaseSection) -> Option<Self> {
+        let waves = WAVES.get(base.sea_state as usize).copied().unwrap_or(0.0);
+        let period = (PERIOD * waves.sqrt()).max(3.0);
+        // What the file says itself comes first.
+        let or_sea = |own: f64, own_period: f64, sea: f64| {
+            if own == 0.0 && sea > 0.0 { (sea, period) } else { (own, own_period) }
+        };
         let swell = [
             (base.surge, base.surge_period),
             // Across, so that it is no line that the base moves on.
             (0.5 * base.surge, 1.3 * base.surge_period),
-            (base.heave, base.heave_period),
+            or_sea(base.heave, base.heave_period, SINE * waves),
         ];
-        let is_still = base.table.is_empty() && base.surge == 0.0 && base.heave == 0.0;
-        (!is_still).then(|| Self { table: base.table.clone(), swell })
+        let rocking = [
+            or_sea(base.roll, base.roll_period, ROLL * waves),
+            or_sea(base.pitch, base.pitch_period, PITCH * waves),
+        ];
+        let is_still = |(amplitude, _): &(f64, f64)| *amplitude == 0.0;
+        let rests =
+            base.table.is_empty() && swell.iter().all(is_still) && rocking.iter().all(is_still);
+        (!rests).then(|| Self { table: base.table.clone(), swell, rocking })
+    }
+
+    /// Turn about North and East, rad, and its rate, rad/s, at `time` s.
+    #[must_use]
+    pub fn tilt(&self, time: f64) -> (V3, V3) {
+        let (mut tilt, mut turns) = (V3::zeros(), V3::zeros());
+        let grown = (time / GROWS).min(1.0);
+        for (i, (amplitude, period)) in self.rocking.into_iter().enumerate() {
+            let rate = TAU / period;
+            let (sin, cos) = (rate * time).sin_cos();
+            if let (Some(angle), Some(speed)) = (tilt.get_mut(i), turns.get_mut(i)) {
+                *angle = amplitude * grown * sin;
+                *speed = amplitude * grown * rate * cos;
+            }
+        }
+        (tilt, turns)
     }
 
     /// Place and velocity at `time` s, NED.

@@ -38,6 +38,8 @@ pub struct Battery {
     pub charge: f64,
     /// A.
     pub current: f64,
+    /// On top of the model's: a fault, Ω.
+    pub extra_resistance: f64,
     voltage: f64,
 }
 
@@ -48,6 +50,7 @@ impl Battery {
         Self {
             charge: model.charge,
             current: 0.0,
+            extra_resistance: 0.0,
             voltage: model.cells * open_circuit(model.charge),
         }
     }
@@ -62,7 +65,8 @@ impl Battery {
     pub fn step(&mut self, model: &BatteryModel, power: f64, dt: f64) {
         let open = model.cells * open_circuit(self.charge);
         self.current = power / self.voltage.max(1.0);
-        self.voltage = (open - self.current * model.resistance).max(0.5 * open);
+        self.voltage =
+            (open - self.current * (model.resistance + self.extra_resistance)).max(0.5 * open);
         self.charge = (self.charge - self.current * dt / (3600.0 * model.capacity)).max(0.0);
     }
 }

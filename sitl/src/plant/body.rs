@@ -17,6 +17,8 @@ pub struct BodyModel {
     pub drag_quadratic: f64,
     /// N m s/rad.
     pub rate_damping: f64,
+    /// Centre of mass from the middle of the rotors, m.
+    pub centre: V3,
 }
 
 impl BodyModel {
@@ -29,6 +31,7 @@ impl BodyModel {
             drag_linear: V3::from(vehicle.drag_linear),
             drag_quadratic: vehicle.drag_quadratic,
             rate_damping: vehicle.rate_damping,
+            centre: V3::new(vehicle.centre[0], vehicle.centre[1], 0.0),
         }
     }
 

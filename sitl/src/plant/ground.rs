@@ -1,7 +1,7 @@
-//! Flat ground under four feet, which moves with the base that the station stands on: spring and damper upwards, stick
-//! and slip sideways.
+//! Flat ground under the vehicle, which moves with the base that the station stands on: spring and damper upwards,
+//! stick and slip sideways. It touches with its feet, its rotors and its top.
 
-use super::{Anchor, Body, BodyModel, GRAVITY, V3};
+use super::{Anchor, Body, BodyModel, Deck, GRAVITY, V3};
 use crate::scenario::VehicleSection;
 use nalgebra::Rotation3;
 
@@ -10,8 +10,10 @@ use nalgebra::Rotation3;
 pub struct GroundModel {
     /// Feet below the centre of mass, m.
     pub leg_height: f64,
-    /// Feet forward and sideways of the centre of mass, m.
-    pub leg_spread: f64,
+    /// What may touch, from the centre of mass, body axes, m: four feet, four rotors, the top.
+    points: [V3; POINTS],
+    /// The farthest of them, m: higher up, however it is turned, none touches.
+    reach: f64,
     /// Per foot, N/m.
     pub stiffness: f64,
     /// Per foot, N s/m.
@@ -26,19 +28,26 @@ impl GroundModel {
     pub fn new(vehicle: &VehicleSection) -> Self {
         // Feet that carry a kilogram would throw a hundred grams about.
         let light = vehicle.mass.min(1.0);
+        // As wide as high, but for the small ones, which stand wider.
+        let spread = (0.85 * vehicle.arm).min(vehicle.leg_height.max(0.15));
+        let [forward, right] = vehicle.centre;
+        let middle = V3::new(forward, right, 0.0);
+        // A rotor's tip is half an arm further out than its hub.
+        let tip = 1.5 * vehicle.arm;
+        let mut points = [V3::new(0.0, 0.0, -TOP * vehicle.arm) - middle; POINTS];
+        let ring = |out: f64, down: f64| {
+            CORNERS.into_iter().map(move |(x, y)| V3::new(x * out, y * out, down) - middle)
+        };
+        let round = ring(spread, vehicle.leg_height).chain(ring(tip, -ROTORS * vehicle.arm));
+        points.iter_mut().zip(round).for_each(|(point, place)| *point = place);
         Self {
             leg_height: vehicle.leg_height,
-            // As wide as high, but for the small ones, which stand wider.
-            leg_spread: (0.85 * vehicle.arm).min(vehicle.leg_height.max(0.15)),
+            reach: points.iter().map(V3::norm).fold(0.0, f64::max),
+            points,
             stiffness: 2_000.0 * light,
             damping: 60.0 * light,
             friction: 0.8,
         }
-    }
-
-    /// From the centre of mass to each foot, m: higher up, however it is turned, none touches.
-    fn reach(&self) -> f64 {
-        (2.0 * self.leg_spread * self.leg_spread + self.leg_height * self.leg_height).sqrt()
     }
 
     /// Height of the centre of mass at rest, m.
@@ -48,18 +57,25 @@ impl GroundModel {
     }
 }
 
-/// Where each foot sticks, if it touches.
+/// How much higher than its middle the deck may be under the vehicle, m.
+const SLOPE: f64 = 1.0;
+
+/// Where each point sticks, if it touches.
 #[derive(Clone, Debug, Default)]
 pub struct Ground {
-    stuck: [Option<(f64, f64)>; 4],
-    /// Sinking speed at the last first contact, m/s.
-    pub touch_down_speed: Option<f64>,
+    stuck: [Option<(f64, f64)>; POINTS],
+    /// Sinking and sideways speed over the ground at the last first contact, m/s.
+    pub touch_down: Option<(f64, f64)>,
 }
 
-const FEET: [(f64, f64); 4] = [(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)];
+const POINTS: usize = 9;
+/// Rotors and top over the centre of mass, in arms.
+const ROTORS: f64 = 0.15;
+const TOP: f64 = 0.5;
+const CORNERS: [(f64, f64); 4] = [(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)];
 
 impl Ground {
-    /// Whether a foot touches.
+    /// Whether anything touches.
     #[must_use]
     pub fn is_touching(&self) -> bool {
         self.stuck.iter().any(Option::is_some)
@@ -74,8 +90,8 @@ impl Ground {
         rotation: &Rotation3<f64>,
         base: &Anchor,
     ) -> (V3, V3) {
-        if body.height() - base.deck_height() > model.reach() {
-            self.stuck = [None; 4];
+        if body.height() - base.deck_height() > model.reach + SLOPE {
+            self.stuck = [None; POINTS];
             return (V3::zeros(), V3::zeros());
         }
         self.touch(model, body, rotation, base.deck())
@@ -86,18 +102,22 @@ impl Ground {
         model: &GroundModel,
         body: &Body,
         rotation: &Rotation3<f64>,
-        deck: (V3, V3),
+        deck: Deck,
     ) -> (V3, V3) {
         let was_touching = self.is_touching();
         let (mut force, mut torque) = (V3::zeros(), V3::zeros());
-        for (stuck, (x, y)) in self.stuck.iter_mut().zip(FEET) {
-            let foot = V3::new(x * model.leg_spread, y * model.leg_spread, model.leg_height);
-            let place = body.position + rotation * foot - deck.0;
+        // Everything in the deck's axes: a small turn.
+        let lies_flat = deck.tilt == V3::zeros();
+        let flat = if lies_flat { Rotation3::identity() } else { Rotation3::new(-deck.tilt) };
+        for (stuck, foot) in self.stuck.iter_mut().zip(&model.points) {
+            let from_deck = body.position + rotation * foot - deck.place;
+            let place = flat * from_deck;
             if place.z <= 0.0 {
                 *stuck = None;
                 continue;
             }
-            let speed = body.velocity + rotation * body.rate.cross(&foot) - deck.1;
+            let deck_speed = deck.velocity + deck.rate.cross(&from_deck);
+            let speed = flat * (body.velocity + rotation * body.rate.cross(foot) - deck_speed);
             let normal = (model.stiffness * place.z + model.damping * speed.z).max(0.0);
             let (sx, sy) = *stuck.get_or_insert((place.x, place.y));
             let mut side = V3::new(
@@ -112,12 +132,13 @@ impl Ground {
                 *stuck =
                     Some((place.x + side.x / model.stiffness, place.y + side.y / model.stiffness));
             }
-            let push = side - V3::new(0.0, 0.0, normal);
+            let push = flat.inverse() * (side - V3::new(0.0, 0.0, normal));
             force += push;
             torque += foot.cross(&rotation.inverse_transform_vector(&push));
         }
         if !was_touching && self.is_touching() {
-            self.touch_down_speed = Some(body.velocity.z - deck.1.z);
+            let over = body.velocity - deck.velocity;
+            self.touch_down = Some((over.z, over.x.hypot(over.y)));
         }
         (force, torque)
     }

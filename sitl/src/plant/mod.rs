@@ -17,7 +17,7 @@ mod supply;
 mod tether;
 mod wind;
 
-pub use anchor::{Anchor, Walk};
+pub use anchor::{Anchor, Deck, Walk};
 pub use base::Motion;
 pub use battery::{Battery, BatteryModel};
 pub use body::{Body, BodyModel};
@@ -104,7 +104,7 @@ impl PlantModel {
         Self {
             body: BodyModel::new(&scenario.vehicle),
             rotor: RotorModel::new(&scenario.vehicle),
-            tether: TetherModel::new(&scenario.tether, scenario.vehicle.mass),
+            tether: TetherModel::new(&scenario.tether, &scenario.vehicle),
             rod: RodModel::new(&scenario.rod),
             wind: WindModel::new(&scenario.wind, wind_from),
             ground: GroundModel::new(&scenario.vehicle),
@@ -136,6 +136,8 @@ pub struct Plant {
     pub push: Option<Push>,
     /// Another one, world axes, N: a fault.
     pub force: V3,
+    /// Wind on top of the model's, NED, m/s: a fault.
+    pub gust: V3,
     /// Feet.
     pub ground: Ground,
     /// Battery.
@@ -159,7 +161,8 @@ impl Plant {
         let common = uniform(&mut rng) * model.rotor.common_gain_error;
         let draw = |_: &Hub| Rotor::new(1.0 + common + uniform(&mut rng) * model.rotor.gain_error);
         let rotors = model.rotor.hubs.iter().map(draw).collect();
-        let end = out + V3::new(0.0, 0.0, model.tether.attachment);
+        let turned = Rotation3::from_axis_angle(&V3::z_axis(), heading);
+        let end = out + turned * model.tether.attachment;
         Self {
             body: Body::at(place, heading),
             rotors,
@@ -170,6 +173,7 @@ impl Plant {
             rod: model.rod.clone().map(Rod::held),
             push: None,
             force: V3::zeros(),
+            gust: V3::zeros(),
             ground: Ground::default(),
             battery: Battery::new(&model.battery),
             specific_force: V3::zeros(),
@@ -189,12 +193,14 @@ impl Plant {
     /// One millisecond with these throttles and this tension set-point for the winch.
     pub fn step(&mut self, throttle: &[f64], winch_tension: f64) {
         let mut force_sum = V3::zeros();
-        let wind = self.wind.step(&self.model.wind, self.body.height(), TICK, &mut self.rng);
+        let time = self.ticks as f64 * TICK;
+        let at = (time, self.body.height());
+        let wind = self.wind.step(&self.model.wind, at, TICK, &mut self.rng) + self.gust;
+        self.wind.velocity = wind;
         let voltage = self.battery.voltage();
         for (rotor, &u) in self.rotors.iter_mut().zip(throttle) {
             rotor.command(&self.model.rotor, u, voltage);
         }
-        let time = self.ticks as f64 * TICK;
         self.tether.drive(&self.model.tether, winch_tension, time);
         for _ in 0..SUBSTEPS {
             force_sum += self.substep(wind);
@@ -227,6 +233,8 @@ impl Plant {
         }
         let lever = V3::new(m.rotor.arm, m.rotor.arm, m.rotor.torque_ratio);
         let mut torque = moment.component_mul(&lever) - m.body.rate_damping * self.body.rate;
+        torque.x += m.body.centre.y * thrust;
+        torque.y -= m.body.centre.x * thrust;
         let rotation = self.body.rotation();
         let air = rotation.inverse_transform_vector(&(self.body.velocity - wind));
         let mut force_body = m.body.drag(&air);
@@ -241,19 +249,15 @@ impl Plant {
             force += push.force();
         }
 
-        // The attachment is below the centre of mass: cross products with (0, 0, arm).
-        let arm = m.tether.attachment;
-        let rate = self.body.rate;
+        let lever = m.tether.attachment;
         self.anchor.step(DT);
-        let swing = rotation * V3::new(rate.y * arm, -rate.x * arm, 0.0);
-        let down = rotation.matrix().column(2);
         let end = End {
-            position: self.body.position + down * arm,
-            velocity: self.body.velocity + swing,
+            position: self.body.position + rotation * lever,
+            velocity: self.body.velocity + rotation * self.body.rate.cross(&lever),
             force,
             mass: m.body.mass,
-            turns: arm * arm / m.body.inertia.x,
-            down: down.into(),
+            turns: lever.norm_squared() / m.body.inertia.x,
+            down: rotation.matrix().column(2).into(),
         };
         let base = (self.anchor.position, self.anchor.velocity);
         let (shear, top) = (m.wind.shear, self.body.height().max(1.0));
@@ -268,8 +272,7 @@ impl Plant {
             pull_world -= (force + grip.force) * (grip.mass / (m.body.mass + grip.mass));
         }
         let pull = rotation.inverse_transform_vector(&pull_world);
-        torque.x -= arm * pull.y;
-        torque.y += arm * pull.x;
+        torque += lever.cross(&pull);
         force += pull_world;
         if let Some(rod) = &mut self.rod {
             force += rod.step(&force, m.body.mass, DT);
@@ -279,8 +282,7 @@ impl Plant {
     }
 
     fn end_in(&self, rotation: &Rotation3<f64>) -> V3 {
-        let down = rotation.matrix().column(2) * self.model.tether.attachment;
-        self.body.position + down - self.anchor.position
+        self.body.position + rotation * self.model.tether.attachment - self.anchor.position
     }
 
     /// The line catches on something, at a `share` of its length from the station.

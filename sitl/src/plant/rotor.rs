@@ -44,8 +44,6 @@ pub struct RotorModel {
     pub common_gain_error: f64,
     /// Of each rotor alone.
     pub gain_error: f64,
-    /// Of the thrust, that is there: a fault.
-    pub strength: f64,
     /// Mechanical over electrical power.
     pub efficiency: f64,
 }
@@ -71,7 +69,6 @@ impl RotorModel {
             time_constant: vehicle.rotor_time_constant,
             common_gain_error: vehicle.common_thrust_error,
             gain_error: vehicle.rotor_thrust_error,
-            strength: 1.0,
             efficiency: 0.65,
         }
     }
@@ -88,6 +85,8 @@ fn power(x: f64, exponent: f64) -> f64 {
 pub struct Rotor {
     /// rad/s.
     pub speed: f64,
+    /// Of the thrust, that is there: a fault.
+    pub strength: f64,
     target: f64,
     gain: f64,
 }
@@ -96,7 +95,7 @@ impl Rotor {
     /// Standing still; `gain` scales its thrust.
     #[must_use]
     pub fn new(gain: f64) -> Self {
-        Self { speed: 0.0, target: 0.0, gain }
+        Self { speed: 0.0, strength: 1.0, target: 0.0, gain }
     }
 
     /// Takes a throttle at this voltage; it holds until the next.
@@ -115,7 +114,7 @@ impl Rotor {
     /// N.
     #[must_use]
     pub fn thrust(&self, model: &RotorModel) -> f64 {
-        model.strength * self.gain * model.thrust_coefficient * self.speed * self.speed
+        self.strength * self.gain * model.thrust_coefficient * self.speed * self.speed
     }
 
     /// Electrical, W.

@@ -32,6 +32,8 @@ pub struct Supply {
     pub current: f64,
     /// At the line's upper end, V.
     pub voltage: f64,
+    /// The station feeds nothing: a fault.
+    pub is_lost: bool,
 }
 
 /// Share of the most that a line of that resistance carries at all, at which the converter gives up.
@@ -40,8 +42,8 @@ const REACH: f64 = 0.95;
 impl Supply {
     /// Takes a `power`, W, up `length` m of line; what arrives of it, W. The battery gives the rest.
     pub fn step(&mut self, model: &SupplyModel, length: f64, power: f64) -> f64 {
-        if model.voltage <= 0.0 {
-            *self = Self::default();
+        if model.voltage <= 0.0 || self.is_lost {
+            (self.current, self.voltage) = (0.0, 0.0);
             return 0.0;
         }
         let resistance = (model.resistance * length).max(1e-6);

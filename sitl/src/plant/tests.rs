@@ -47,11 +47,18 @@ fn a_free_fall_without_air_keeps_its_energy_and_feels_nothing() {
 
 #[test]
 fn gusts_have_the_strength_that_the_standard_gives() {
-    let model = WindModel { speed: 5.0, from: 0.3, gusts: Gusts::Dryden, pulse: 0.0, shear: 0.0 };
+    let model = WindModel {
+        speed: 5.0,
+        from: 0.3,
+        gusts: Gusts::Dryden,
+        pulse: 0.0,
+        shear: 0.0,
+        table: Vec::new(),
+    };
     let mut rng = Pcg64Mcg::new(7);
     let (mut wind, mut sum, n) = (Wind::default(), V3::zeros(), 2_000_000);
     for _ in 0..n {
-        let v = wind.step(&model, 10.0, 1e-2, &mut rng);
+        let v = wind.step(&model, (0.0, 10.0), 1e-2, &mut rng);
         let (s, c) = model.from.sin_cos();
         let (along, across) = (-v.x * c - v.y * s - 5.0, v.x * s - v.y * c);
         sum += V3::new(along * along, across * across, v.z * v.z);

@@ -27,6 +27,8 @@ pub struct WindModel {
     pub shear: f64,
     /// Peak of the recurring gust, m/s; zero: none.
     pub pulse: f64,
+    /// Time, s, speed, m/s, direction, rad from North, and down, m/s; empty: the same wind all the time.
+    pub table: Vec<[f64; 4]>,
 }
 
 impl WindModel {
@@ -39,6 +41,24 @@ impl WindModel {
             gusts: if wind.gusts { Gusts::Dryden } else { Gusts::None },
             pulse: wind.pulse,
             shear: wind.shear,
+            table: wind.table.clone(),
+        }
+    }
+
+    /// Speed, m/s, direction, rad, and down, m/s, of the mean wind at `time` s.
+    fn mean(&self, time: f64) -> [f64; 3] {
+        let next = self.table.partition_point(|row| row[0] <= time);
+        let row = |i: usize| self.table.get(i).copied();
+        match (next.checked_sub(1).and_then(row), row(next)) {
+            (Some([before, speed, from, down]), Some([after, speed_b, from_b, down_b])) => {
+                let share = (time - before) / (after - before).max(1e-6);
+                let mix = |a: f64, b: f64| a + (b - a) * share;
+                [mix(speed, speed_b), mix(from, from_b), mix(down, down_b)]
+            }
+            (Some([_, speed, from, down]), None) | (None, Some([_, speed, from, down])) => {
+                [speed, from, down]
+            }
+            (None, None) => [self.speed, self.from, 0.0],
         }
     }
 }
@@ -95,18 +115,25 @@ const FEET_PER_METRE: f64 = 3.280_84;
 const SPEED_FLOOR: f64 = 1.0;
 
 impl Wind {
-    /// Air velocity, NED, m/s.
-    pub fn step(&mut self, model: &WindModel, height: f64, dt: f64, rng: &mut Pcg64Mcg) -> V3 {
-        if model.speed <= 0.0 && model.pulse <= 0.0 {
+    /// Air velocity, NED, m/s, at a time, s, and a height, m.
+    pub fn step(
+        &mut self,
+        model: &WindModel,
+        (time, height): (f64, f64),
+        dt: f64,
+        rng: &mut Pcg64Mcg,
+    ) -> V3 {
+        if model.speed <= 0.0 && model.pulse <= 0.0 && model.table.is_empty() {
             self.velocity = V3::zeros();
             return self.velocity;
         }
-        let (sin, cos) = model.from.sin_cos();
+        let [speed, from, down] = model.mean(time);
+        let (sin, cos) = from.sin_cos();
         let along = V3::new(-cos, -sin, 0.0);
         let across = V3::new(sin, -cos, 0.0);
-        self.velocity = along * model.speed;
-        if model.gusts == Gusts::Dryden && model.speed > 0.0 {
-            let (u, v, w) = self.gust(model.speed, height, dt, rng);
+        self.velocity = along * speed + V3::new(0.0, 0.0, down);
+        if model.gusts == Gusts::Dryden && speed > 0.0 {
+            let (u, v, w) = self.gust(speed, height, dt, rng);
             self.velocity += along * u + across * v + V3::new(0.0, 0.0, w);
         }
         if model.pulse > 0.0 {

@@ -24,9 +24,7 @@ impl Scenario {
         self.sensors.check()?;
         self.battery.check()?;
         for (i, fault) in self.fault.iter().enumerate() {
-            within(&format!("fault[{i}].at"), fault.at, 0.0, 1e6)?;
-            within(&format!("fault[{i}].duration"), fault.duration.unwrap_or(0.0), 0.0, 1e6)?;
-            within(&format!("fault[{i}].value"), fault.value, -100.0, 100.0)?;
+            fault.check(&format!("fault[{i}]"))?;
         }
         for (i, step) in self.mission.iter().enumerate() {
             if let Step::WalkAnchor { way: [north, east], ramp, .. } = step {

@@ -93,3 +93,37 @@ pub enum Step {
         timeout: f64,
     },
 }
+
+/// An example of every step, and what it does.
+pub(super) const STEPS: &[(&str, &str)] = &[
+    ("do = \"arm\"", "Wait until the vehicle can be armed, then arm."),
+    (
+        "do = \"takeoff\"\naltitude = 5.0",
+        "Take off to this altitude over the anchor, m, and wait for the hold.",
+    ),
+    ("do = \"hold\"\nseconds = 40.0", "Stay, and measure."),
+    (
+        "do = \"move\"\nelevation = 0.8\nazimuth = 0.3\nlength = 10.0\ntension = 6.5",
+        "Go to another place of the line, rad, m, N; what is absent stays.",
+    ),
+    ("do = \"taut\"\ncontrol = \"force\"", "Change to a mode of the taut link: force or attitude."),
+    (
+        "do = \"taut_move\"\nelevation = [0.8, 1.0]\nsecond = [6.0, 8.0]\ncontrol = \"force\"\nduration = 5.0",
+        "A smooth step there: elevation, rad, and link force, N, or pitch, rad, from and to.",
+    ),
+    ("do = \"tether_angle\"", "Change to Tether Angle."),
+    ("do = \"pendulum\"", "Change to Pendulum; whoever holds the rod lets go."),
+    ("do = \"catch_rod\"", "A hand takes the rod."),
+    (
+        "do = \"walk_anchor\"\nway = [2.0, 0.0]\nspeed = 0.5\nramp = 1.0",
+        "Whoever holds the line walks: North and East, m, m/s, s.",
+    ),
+    ("do = \"altitude\"", "Take the sticks, mode Altitude."),
+    (
+        "do = \"excite\"\naltitude = 5.0\nseconds = 30.0",
+        "Climb there and shake thrust, roll and pitch.",
+    ),
+    ("do = \"tether_hold\"", "Back to Tether Hold."),
+    ("do = \"land\"", "Land and wait until disarmed."),
+    ("do = \"await_disarmed\"\ntimeout = 60.0", "Wait until disarmed, whatever the reason, s."),
+];

@@ -13,10 +13,11 @@ pub mod params_file;
 mod preset;
 mod sections;
 pub mod settings;
+mod template;
 
 pub use arithmetic::Arithmetic;
 pub(crate) use check::within;
-pub use fault::{FaultKind, FaultSection, Faults, Source};
+pub use fault::{Axis, FAULTS, FaultFacts, FaultKind, FaultRule, FaultSection, Faults, Source};
 pub use key::Key;
 pub use mission::{Step, TautControl};
 pub use sections::{
@@ -24,6 +25,7 @@ pub use sections::{
     RodSection, SensorSection, StationSection, TetherKind, TetherSection, VehicleSection,
     WindSection, keys,
 };
+pub use template::{reference, template};
 
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;

@@ -2,8 +2,28 @@
 
 use super::{Scenario, ScenarioError, TetherKind, set_param};
 use crate::sensor::NEWTON_PER_COUNT;
-use tautline_firmware::param::Params;
+use tautline_firmware::param::{META, Params};
 use tautline_firmware::signal::Aid;
+
+/// Parameters that describe what the simulator knows better.
+const PLANT: [&str; 16] = [
+    "VEH_MASS",
+    "VEH_IXX",
+    "VEH_IYY",
+    "VEH_IZZ",
+    "VEH_ARM",
+    "VEH_CQ",
+    "VEH_ATT_Z",
+    "VEH_H_GND",
+    "MOT_THR_MAX",
+    "MOT_V_NOM",
+    "MOT_TAU",
+    "BAT1_N_CELLS",
+    "TET_KIND",
+    "TET_LENGTH",
+    "TET_LIN_DENS",
+    "PND_LENGTH",
+];
 
 impl Scenario {
     /// Where the vehicle stands: distance from the anchor, m, and heading, rad.
@@ -31,6 +51,38 @@ impl Scenario {
     /// # Errors
     /// A line naming the parameter.
     pub fn params(&self) -> Result<Params, ScenarioError> {
+        let mut params = self.own_params()?;
+        for (name, &value) in &self.params {
+            set_param(&mut params, name, value).map_err(ScenarioError)?;
+        }
+        Ok(params)
+    }
+
+    /// What the parameters say of the vehicle and the line that is not so, a line each: an experiment may want that,
+    /// a typing error does not.
+    ///
+    /// # Errors
+    /// As [`Self::params`].
+    pub fn contradictions(&self, params: &Params) -> Result<Vec<String>, ScenarioError> {
+        let own = self.own_params()?;
+        Ok(META
+            .iter()
+            .enumerate()
+            .filter(|(_, meta)| PLANT.contains(&meta.name))
+            .filter(|(_, meta)| match meta.name {
+                "TET_LENGTH" => self.tether.kind == TetherKind::Fixed,
+                "PND_LENGTH" => self.rod.load_mass > 0.0,
+                _ => true,
+            })
+            .filter_map(|(i, meta)| {
+                let (is, told) = (own.get(i)?, params.get(i)?);
+                let differs = (told - is).abs() > 0.02 * is.abs().max(0.01);
+                differs.then(|| format!("{} = {told}, but the simulated one is {is}", meta.name))
+            })
+            .collect())
+    }
+
+    fn own_params(&self) -> Result<Params, ScenarioError> {
         let (v, t) = (&self.vehicle, &self.tether);
         let mut params = Params::default();
         let [ix, iy, iz] = v.inertia;
@@ -81,9 +133,6 @@ impl Scenario {
         let known = known.into_iter().chain(fitted.into_iter().filter(|(_, value)| *value != 0.0));
         for (name, value) in known {
             set_param(&mut params, name, value as f32).map_err(ScenarioError)?;
-        }
-        for (name, &value) in &self.params {
-            set_param(&mut params, name, value).map_err(ScenarioError)?;
         }
         Ok(params)
     }

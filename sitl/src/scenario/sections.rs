@@ -95,6 +95,9 @@ sections! {
         leg_height: f64 ["m"] = 0.15, in 0.02 ..= 2.0;
         /// Heading of the nose at the start, from North.
         heading: f64 ["rad"] = 0.0, in -6.3 ..= 6.3;
+        /// Centre of mass from the middle of the rotors and the feet, forward and to the right. The inertial sensor sits in
+        /// the centre of mass.
+        centre: [f64; 2] ["m"] = [0.0, 0.0], in -0.5 ..= 0.5;
     }
 
     /// `[tether]`: the line and its ground end.
@@ -119,6 +122,8 @@ sections! {
         diameter: f64 ["m"] = 0.0015, in 0.0 ..= 0.05;
         /// Attachment below the centre of mass.
         attachment: f64 ["m"] = 0.05, in -0.5 ..= 0.5;
+        /// Attachment from the middle of the rotors, forward and to the right.
+        attachment_aside: [f64; 2] ["m"] = [0.0, 0.0], in -0.5 ..= 0.5;
         /// Fixed: how much closer than taut the vehicle starts.
         start_slack: f64 ["m"] = 0.0, in 0.0 ..= 50.0;
         /// Start of the vehicle from the anchor (winch) or the origin (none).
@@ -176,6 +181,16 @@ sections! {
         surge: f64 ["m"] = 0.0, in 0.0 ..= 10.0;
         /// Its period.
         surge_period: f64 ["s"] = 11.0, in 1.0 ..= 60.0;
+        /// Roll about North, amplitude.
+        roll: f64 ["rad"] = 0.0, in 0.0 ..= 0.5;
+        /// Its period.
+        roll_period: f64 ["s"] = 7.0, in 1.0 ..= 60.0;
+        /// Pitch about East, amplitude.
+        pitch: f64 ["rad"] = 0.0, in 0.0 ..= 0.5;
+        /// Its period.
+        pitch_period: f64 ["s"] = 6.0, in 1.0 ..= 60.0;
+        /// Sea state, Douglas: heave, roll and pitch of a small vessel at once, as sines. The file's own come first.
+        sea_state: u64 [""] = 0, in 0.0 ..= 6.0;
     }
 
     /// `[capture]`: motion capture.
@@ -235,6 +250,9 @@ sections! {
         /// Peak of a gust of 1-cos shape, 3 s long, every 5 s, each from another side; a fifth of it as
         /// turbulence on top.
         pulse: f64 ["m/s"] = 0.0, in 0.0 ..= 25.0;
+        /// Times, s, speeds, m/s, directions, rad from North, and down, m/s, in the order of the times, instead of
+        /// `speed` and `from`.
+        table: Vec<[f64; 4]> ["s, m/s, rad, m/s"] = Vec::new();
     }
 
     /// `[sensors]`: standard deviations and densities; zero everything for ideal sensors.

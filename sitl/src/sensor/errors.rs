@@ -67,7 +67,6 @@ impl Inertial {
         &mut self,
         model: &SensorSection,
         plant: &Plant,
-        extra_bias: f64,
         rng: &mut Pcg64Mcg,
     ) -> (V3, V3, f64) {
         self.samples = self.samples.wrapping_add(1);
@@ -94,7 +93,7 @@ impl Inertial {
         let gyro = plant.body.rate
             + self.gyro_bias
             + self.gyro_drift
-            + V3::repeat(GYRO_PER_KELVIN * warm + extra_bias)
+            + V3::repeat(GYRO_PER_KELVIN * warm)
             + V3::new(vibration.y, -vibration.x, vibration.z) * model.gyro_vibration_ratio
             + vector(rng, normal) * (model.gyro_noise_density * width);
         (accel, gyro, self.temperature)

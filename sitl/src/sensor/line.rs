@@ -91,7 +91,7 @@ impl LineSensors {
             part.set_field((to_chip * field).into());
         }
         if let Some((imu, errors)) = &mut self.second {
-            let (accel, gyro, temperature) = errors.sample(noise, plant, 0.0, rng);
+            let (accel, gyro, temperature) = errors.sample(noise, plant, rng);
             let turned = |v: V3| -> [f64; 3] { (to_chip * v).into() };
             imu.bus_mut().set_motion(turned(accel), turned(gyro), temperature);
         }

@@ -1,14 +1,16 @@
 //! Sensors at register level: truth + errors → fakes → the real drivers → [`RawSensors`].
 
 mod errors;
+mod faulty;
 mod line;
 mod station;
 
 pub use line::NEWTON_PER_COUNT;
 
-use crate::plant::{Plant, V3, generator};
+use crate::plant::{GRAVITY, Plant, V3, generator, normal};
 use crate::scenario::{FaultKind, Faults, Scenario, SensorSection};
 use errors::{Altitude, Inertial};
+use faulty::{Arrival, EncoderFault, InertialFault};
 use line::LineSensors;
 use nalgebra::{Matrix3, RowVector3};
 use rand_pcg::Pcg64Mcg;
@@ -27,6 +29,8 @@ const RANGE_OFFSET: f64 = 0.03;
 /// Divider and shunt amplifier of the reference board.
 const VOLTS_PER_VOLT: f64 = 11.0;
 const AMPS_PER_VOLT: f64 = 25.0;
+/// Height up to which the rotors' wind presses on the barometer, m.
+const GROUND_EFFECT: f64 = 1.5;
 /// The winch transmits every so many milliseconds.
 const WINCH_MS: u64 = 20;
 
@@ -37,6 +41,10 @@ pub struct SensorSuite {
     /// Body axes to the chip's.
     to_chip: Matrix3<f64>,
     rng: Pcg64Mcg,
+    /// For what only faults draw.
+    fault_rng: Pcg64Mcg,
+    /// What the rangefinder showed last, m.
+    last_range: f64,
     inertial: Inertial,
     altitude: Altitude,
     noise: SensorSection,
@@ -45,6 +53,10 @@ pub struct SensorSuite {
     /// At the vehicle's end of the line.
     at_vehicle: LineSensors,
     station: StationSensors,
+    encoder: EncoderFault,
+    /// Of this millisecond's inertial sample.
+    arrival: Arrival,
+    inertial_fault: InertialFault,
     winch: Option<RawTether>,
     /// What else the line's sensors say this millisecond.
     line: RawLineSensors,
@@ -61,6 +73,8 @@ impl SensorSuite {
         range.lose_byte_every = noise.range_lost_bytes;
         let pins = BatteryMonitor::new(FakePin::default(), FakePin::default());
         Self {
+            fault_rng: generator(seed, 6),
+            last_range: 0.0,
             inertial: Inertial::new(noise, &mut rng),
             altitude: Altitude::default(),
             to_chip: to_chip(mounting),
@@ -69,6 +83,9 @@ impl SensorSuite {
             station: StationSensors::new(&scenario.station, &mut generator(seed, 4)),
             at_vehicle: LineSensors::new(scenario, &clock, seed),
             winch: None,
+            encoder: EncoderFault::default(),
+            arrival: Arrival::Never,
+            inertial_fault: InertialFault::new(seed),
             line: RawLineSensors::default(),
             clock,
             rng,
@@ -111,7 +128,8 @@ impl SensorSuite {
     pub fn expose(&mut self, plant: &Plant, faults: &Faults) {
         let us = self.clock.now_us();
         let (ms, time) = (us / 1000, us as f64 * 1e-6);
-        if !faults.is_active(FaultKind::ImuSilent, time) {
+        self.arrival = self.inertial_fault.arrival(faults, time);
+        if self.arrival != Arrival::Never {
             self.expose_imu(plant, faults, time);
         }
         if ms.is_multiple_of(BAROMETER_MS) {
@@ -119,25 +137,24 @@ impl SensorSuite {
         }
         self.expose_range(plant, faults, time);
         let (voltage, current) = self.slow.battery.pins_mut();
-        voltage.set_volts(plant.battery.voltage() / VOLTS_PER_VOLT);
+        let shown = plant.battery.voltage() + faults.added(FaultKind::VoltageOffset, time);
+        voltage.set_volts(shown.max(0.0) / VOLTS_PER_VOLT);
         current.set_volts(plant.battery.current / AMPS_PER_VOLT);
         let has_winch = plant.model().tether.winch.is_some();
         let transmits = has_winch && !faults.is_active(FaultKind::WinchSilent, time);
         self.winch = None;
         self.line = RawLineSensors::default();
         if transmits && ms.is_multiple_of(WINCH_MS) {
-            let mut length = self.station.length(plant, &self.noise, &mut self.rng);
-            let extra = faults.value(FaultKind::LengthOffset, time).unwrap_or(0.0);
-            length.length_mm = (length.length_mm + (extra * 1000.0) as i32).max(0);
-            self.winch = Some(length);
+            let extra = self.encoder.error(plant.tether.length(), faults, time);
+            self.winch = Some(self.station.length(plant, extra, &self.noise, &mut self.rng));
             if self.noise.tension_cell {
                 self.line.station_tension = Some(self.station.tension(plant, &mut self.rng));
             }
         }
-        let field = faults.value(FaultKind::CompassDisturbed, time).unwrap_or(0.0) * 1e-6;
+        let field = faults.added(FaultKind::CompassDisturbed, time) * 1e-6;
         self.at_vehicle.expose(plant, &self.noise, &self.to_chip, field);
         if self.noise.ground_angles && ms.is_multiple_of(WINCH_MS) {
-            let extra = faults.value(FaultKind::FairleadOffset, time).unwrap_or(0.0) as f32;
+            let extra = faults.added(FaultKind::FairleadOffset, time) as f32;
             self.line.fairlead = self
                 .station
                 .direction(plant)
@@ -149,11 +166,17 @@ impl SensorSuite {
     pub fn read(&mut self, plant: &Plant, faults: &Faults) -> RawSensors {
         self.expose(plant, faults);
         let at = Micros(self.clock.now_us());
-        let is_silent = faults.is_active(FaultKind::ImuSilent, at.0 as f64 * 1e-6);
-        let imu = if is_silent { None } else { self.imu.read_all().ok() };
+        let imu = match self.arrival {
+            Arrival::Never => None,
+            Arrival::Comes { .. } => self.imu.read_all().ok(),
+        };
+        let at_imu = match self.arrival {
+            Arrival::Comes { early_us, .. } => Micros(at.0.saturating_sub(early_us)),
+            Arrival::Never => at,
+        };
         // Motion capture comes by the link.
         let mut sensors = RawSensors {
-            imu: imu.map(|reading| Sample { at, value: raw_imu(&reading) }),
+            imu: imu.map(|reading| Sample { at: at_imu, value: raw_imu(&reading) }),
             tether: self.winch.map(|value| Sample { at, value }),
             line: self.line,
             ..RawSensors::default()
@@ -164,11 +187,12 @@ impl SensorSuite {
     }
 
     fn expose_imu(&mut self, plant: &Plant, faults: &Faults, time: f64) {
-        let extra = faults.value(FaultKind::GyroBias, time).unwrap_or(0.0);
-        let (accel, gyro, temperature) =
-            self.inertial.sample(&self.noise, plant, extra, &mut self.rng);
+        let (mut accel, mut gyro, temperature) =
+            self.inertial.sample(&self.noise, plant, &mut self.rng);
+        self.inertial_fault.disturb(faults, time, plant, &mut accel, &mut gyro);
         let part = self.imu.bus_mut();
-        part.is_hung = faults.is_active(FaultKind::ImuFrozen, time);
+        let repeats = matches!(self.arrival, Arrival::Comes { repeats: true, .. });
+        part.is_hung = repeats || faults.is_active(FaultKind::ImuFrozen, time);
         part.is_dead = faults.is_active(FaultKind::ImuDead, time);
         let turned = |v: V3| -> [f64; 3] { (self.to_chip * v).into() };
         part.set_motion(turned(accel), turned(gyro), temperature);
@@ -176,13 +200,24 @@ impl SensorSuite {
 
     fn expose_barometer(&mut self, plant: &Plant, faults: &Faults, time: f64) {
         let dt = BAROMETER_MS as f64 * 1e-3;
-        let extra = faults.value(FaultKind::BarometerOffset, time).unwrap_or(0.0);
-        let height = plant.body.height() + extra;
+        let noise = faults.added(FaultKind::BarometerNoise, time);
+        // The rotors press the air against the ground.
+        let over = plant.height_over_ground();
+        let thrust = plant.thrust() / (plant.model().body.mass * GRAVITY);
+        let pressed = faults.added(FaultKind::GroundEffect, time)
+            * (1.0 - over / GROUND_EFFECT).clamp(0.0, 1.0)
+            * thrust.clamp(0.0, 1.0);
+        let extra = faults.added(FaultKind::BarometerOffset, time) - pressed;
+        let random = if noise > 0.0 { noise * normal(&mut self.fault_rng) } else { 0.0 };
+        let height = plant.body.height() + extra + random;
         let pressure = self.altitude.pressure(&self.noise, height, dt, &mut self.rng);
+        let is_stuck = faults.is_active(FaultKind::BarometerStuck, time);
         let part = self.slow.barometer.bus_mut();
         part.is_dead = faults.is_active(FaultKind::BarometerLost, time)
             || faults.is_active(FaultKind::AltimeterLost, time);
-        part.set_air(pressure, 24.0);
+        if !is_stuck {
+            part.set_air(pressure, 24.0);
+        }
     }
 
     fn expose_range(&mut self, plant: &Plant, faults: &Faults, time: f64) {
@@ -191,7 +226,16 @@ impl SensorSuite {
             || faults.is_active(FaultKind::AltimeterLost, time);
         if part.is_due() {
             let distance = self.altitude.range(&self.noise, plant, RANGE_OFFSET, &mut self.rng);
-            part.set_distance(distance + faults.value(FaultKind::RangeOffset, time).unwrap_or(0.0));
+            let noise = faults.added(FaultKind::RangeNoise, time);
+            let random = if noise > 0.0 { noise * normal(&mut self.fault_rng) } else { 0.0 };
+            let shown = distance + faults.added(FaultKind::RangeOffset, time) + random;
+            let shown = match faults.value(FaultKind::RangeStuck, time) {
+                Some(value) if value > 0.0 => value,
+                Some(_) => self.last_range,
+                None => shown,
+            };
+            self.last_range = shown;
+            part.set_distance(shown);
         }
     }
 }

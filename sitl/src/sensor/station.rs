@@ -46,9 +46,16 @@ impl StationSensors {
         }
     }
 
-    /// Length paid out, as the encoder shows it.
-    pub fn length(&self, plant: &Plant, noise: &SensorSection, rng: &mut Generator) -> RawTether {
-        let shown = plant.tether.length() * (1.0 + self.slip) + noise.length_noise * normal(rng);
+    /// Length paid out, as the encoder shows it, with `extra` m from a fault.
+    pub fn length(
+        &self,
+        plant: &Plant,
+        extra: f64,
+        noise: &SensorSection,
+        rng: &mut Generator,
+    ) -> RawTether {
+        let out = plant.tether.length() * (1.0 + self.slip) + extra;
+        let shown = out + noise.length_noise * normal(rng);
         let step = self.section.length_resolution.max(1e-3);
         let shown = (shown.max(0.0) / step).round() * step;
         RawTether { length_mm: (shown * 1000.0).round() as i32 }

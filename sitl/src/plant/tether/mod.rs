@@ -10,7 +10,7 @@ pub use chain::{Chain, End, Material};
 pub use station::{Drum, WinchModel};
 
 use super::{DT, SUBSTEPS, TICK, V3, uniform};
-use crate::scenario::{LineModel, TetherKind, TetherSection};
+use crate::scenario::{LineModel, TetherKind, TetherSection, VehicleSection};
 use rand_pcg::Pcg64Mcg;
 use std::f64::consts::{PI, TAU};
 use straight::{Air, Straight, straight};
@@ -32,8 +32,8 @@ pub struct TetherModel {
     pub line_density: f64,
     /// m.
     pub diameter: f64,
-    /// Attachment below the centre of mass, m.
-    pub attachment: f64,
+    /// Attachment from the centre of mass, body axes, m.
+    pub attachment: V3,
     /// A cable pulls.
     pub pulls: bool,
     /// A strut or bar pushes.
@@ -52,25 +52,26 @@ const SEGMENT: f64 = 6.0;
 const SEGMENTS: (f64, f64) = (5.0, 20.0);
 
 impl TetherModel {
-    /// As the scenario describes it, for a vehicle of `mass` kg.
+    /// As the scenario describes it, for that vehicle.
     #[must_use]
-    pub fn new(tether: &TetherSection, mass: f64) -> Self {
+    pub fn new(tether: &TetherSection, vehicle: &VehicleSection) -> Self {
         let kind = tether.kind;
         let is_free = kind == TetherKind::None;
         let longest =
             if kind == TetherKind::Winch { tether.winch_length_max } else { tether.length };
         let by_length = (longest / SEGMENT).ceil().clamp(SEGMENTS.0, SEGMENTS.1) as usize;
+        let ([x, y], [forward, right]) = (tether.attachment_aside, vehicle.centre);
         let segments = if tether.segments == 0 { by_length } else { tether.segments as usize };
         Self {
             winch: (kind == TetherKind::Winch).then(|| WinchModel::new(tether)),
             length: tether.length,
             stiffness: tether.stiffness,
             damping_ratio: tether.damping_ratio,
-            reference_mass: mass,
+            reference_mass: vehicle.mass,
             // No line hangs on a vehicle without one.
             line_density: if is_free { 0.0 } else { tether.line_density },
             diameter: if is_free { 0.0 } else { tether.diameter },
-            attachment: tether.attachment,
+            attachment: V3::new(x - forward, y - right, tether.attachment),
             pulls: !matches!(kind, TetherKind::Strut | TetherKind::None),
             pushes: matches!(kind, TetherKind::Strut | TetherKind::Bar),
             is_broken: false,
@@ -103,6 +104,8 @@ pub struct Tether {
     chain: Option<Chain>,
     /// Of a straight link: where it is caught and its length from there.
     caught: Option<(V3, f64)>,
+    /// Of a straight link on a drum that turns whatever it is asked, m.
+    paid_out: Option<f64>,
     /// Of nose from azimuth at the last look, rad.
     turned: f64,
     /// Physics steps since the chain's last one, or since a straight link felt the air.
@@ -138,6 +141,7 @@ impl Tether {
             twist: 0.0,
             chain: None,
             caught: None,
+            paid_out: None,
             turned: 0.0,
             since: 0,
             set_point: 0.0,
@@ -181,9 +185,13 @@ impl Tether {
                 self.air.wind = Some(wind(-end.position.z));
             }
             self.since = (self.since + 1) % SUBSTEPS;
-            let (drum, length, base) = match self.caught {
-                None => (drum, model.length, base),
-                Some((point, length)) => (None, length, (point, V3::zeros())),
+            let turns = model.winch.as_ref().and_then(|winch| winch.turns);
+            self.paid_out = turns
+                .map(|speed| (self.paid_out.unwrap_or(self.link.length) + speed * DT).max(0.2));
+            let (drum, length, base) = match (self.caught, self.paid_out) {
+                (None, None) => (drum, model.length, base),
+                (None, Some(length)) => (None, length, base),
+                (Some((point, length)), _) => (None, length, (point, V3::zeros())),
             };
             let (link, force) = straight(model, drum, length, base, end, &mut self.air);
             self.link = link;

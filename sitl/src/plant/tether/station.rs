@@ -23,6 +23,8 @@ pub struct WinchModel {
     pub speed_max: f64,
     /// Of the integral loop over the load cell, 1/s.
     pub gain: f64,
+    /// It turns at this speed, whatever it is asked: a fault, m/s.
+    pub turns: Option<f64>,
 }
 
 /// What the motor does this millisecond.
@@ -55,6 +57,7 @@ impl WinchModel {
             force_max: tether.winch_force_max,
             speed_max: tether.winch_speed_max,
             gain: tether.winch_gain,
+            turns: None,
         }
     }
 
@@ -91,6 +94,9 @@ impl Drum<'_> {
     /// The speed that motor and line allow with `length` m outside.
     #[must_use]
     pub fn limited(&self, speed: f64, length: f64) -> f64 {
+        if let Some(turns) = self.model.turns {
+            return if length <= SHORTEST { turns.max(0.0) } else { turns };
+        }
         let low = if length <= SHORTEST { 0.0 } else { -self.model.speed_max };
         let high = if length >= self.model.length_max { 0.0 } else { self.model.speed_max };
         speed.clamp(low, high)

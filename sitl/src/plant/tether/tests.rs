@@ -25,7 +25,7 @@ fn line(density: f64, diameter: f64) -> Material {
 fn default_segments(length: f64) -> usize {
     let mut section = Scenario::default().tether;
     (section.model, section.winch_length_max) = (LineModel::Chain, length);
-    TetherModel::new(&section, 1.5).segments.unwrap()
+    TetherModel::new(&section, &VehicleSection::default()).segments.unwrap()
 }
 
 /// An unstretchable line from the origin to a point, in the vertical plane to the North.
@@ -130,7 +130,7 @@ fn a_chain_at_rest_pulls_like_the_catenary() {
 fn a_fixed_tether_pulls_only_when_stretched_and_then_towards_the_anchor() {
     let mut section = Scenario::default().tether;
     section.kind = TetherKind::Fixed;
-    let model = TetherModel::new(&section, 1.5);
+    let model = TetherModel::new(&section, &VehicleSection::default());
     let (length, base) = (model.length, (V3::zeros(), V3::zeros()));
     let at = |x: f64| V3::new(0.6, 0.0, -0.8) * x;
     let mut tether = Tether::new(&model, &V3::zeros(), &at(1.0), &mut Pcg64Mcg::new(1));

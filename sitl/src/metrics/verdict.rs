@@ -1,0 +1,112 @@
+//! Did it come down as a vehicle should that hangs over people? Against the truth, from lift-off on.
+
+use super::PERIOD;
+use crate::plant::{Plant, TICK};
+use tautline_firmware::vehicle::StepOutput;
+
+/// Fastest first contact that leaves a vehicle whole, downwards and sideways, m/s.
+pub const SINK_MAX: f64 = 1.5;
+pub const ASIDE_MAX: f64 = 1.0;
+/// Beyond this tilt the vehicle counts as lost (70°), rad.
+const TILT_MAX: f64 = 1.22;
+/// Motors may turn so long on the ground after a flight, s.
+const SPIN_DOWN: f64 = 10.0;
+/// Height over the ground from which it has flown, m.
+const FLOWN: f64 = 0.5;
+/// It may touch down this much further from the anchor than the longest line that was out, m.
+const BEYOND_LINE: f64 = 5.0;
+
+/// How a flight touched the ground.
+#[derive(Clone, Debug, Default)]
+pub struct Verdict {
+    /// Sink rate at the last first contact after flight, m/s.
+    pub touch_down: Option<f64>,
+    /// Horizontal speed over the ground there, m/s.
+    pub touch_down_drift: Option<f64>,
+    /// Farthest from the anchor, level, m.
+    pub farthest: f64,
+    /// From where it stood to where it came down, m.
+    pub from_pad: Option<f64>,
+    /// Greatest height over the ground, m.
+    pub highest: f64,
+    /// Largest tilt, rad.
+    pub tilt_max: f64,
+    /// Longest time with motors turning on the ground after a flight, s.
+    pub motors_on_ground: f64,
+    /// Motors were allowed to turn at some time.
+    pub has_armed: bool,
+    /// Why the vehicle counts as lost.
+    pub lost: Option<&'static str>,
+    pad: Option<(f64, f64)>,
+    longest_line: f64,
+    was_touching: bool,
+    has_flown: bool,
+    has_landed: bool,
+    steps: u32,
+}
+
+impl Verdict {
+    fn lose(&mut self, why: &'static str) {
+        self.lost.get_or_insert(why);
+    }
+
+    /// One millisecond.
+    pub fn step(&mut self, out: &StepOutput, plant: &Plant) {
+        let touches = plant.ground.is_touching();
+        if touches && !self.was_touching && self.has_flown {
+            self.touch(plant);
+        }
+        self.was_touching = touches;
+        self.has_armed |= out.is_armed;
+        if touches && self.has_landed && out.is_armed {
+            self.motors_on_ground += TICK;
+            if self.motors_on_ground > SPIN_DOWN {
+                self.lose("motors still turn on the ground");
+            }
+        } else {
+            self.motors_on_ground = 0.0;
+        }
+        self.steps = self.steps.wrapping_add(1);
+        if self.steps.is_multiple_of(PERIOD) {
+            self.look(plant, touches);
+        }
+    }
+
+    fn look(&mut self, plant: &Plant, touches: bool) {
+        let place = plant.body.position;
+        self.pad.get_or_insert((place.x, place.y));
+        let height = plant.height_over_ground();
+        if height > FLOWN && !touches {
+            self.has_flown = true;
+            self.has_landed = false;
+        }
+        let from_anchor = plant.from_anchor();
+        self.farthest = self.farthest.max(from_anchor.x.hypot(from_anchor.y));
+        self.highest = self.highest.max(height);
+        self.longest_line = self.longest_line.max(plant.tether.length());
+        self.tilt_max = self.tilt_max.max(plant.body.tilt());
+        if self.tilt_max > TILT_MAX {
+            self.lose("tilted over 70 deg");
+        }
+        if height < -FLOWN {
+            self.lose("below the ground");
+        }
+    }
+
+    fn touch(&mut self, plant: &Plant) {
+        let Some((sink, aside)) = plant.ground.touch_down else { return };
+        (self.touch_down, self.touch_down_drift) = (Some(sink.abs()), Some(aside));
+        (self.has_flown, self.has_landed) = (false, true);
+        let (place, from_anchor) = (plant.body.position, plant.from_anchor());
+        self.from_pad = self.pad.map(|(x, y)| (place.x - x).hypot(place.y - y));
+        if sink > SINK_MAX {
+            self.lose("touched down hard");
+        }
+        if aside > ASIDE_MAX {
+            self.lose("touched down sideways");
+        }
+        if from_anchor.x.hypot(from_anchor.y) > self.longest_line + BEYOND_LINE {
+            self.lose("came down beyond its line");
+        }
+    }
+}
