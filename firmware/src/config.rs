@@ -186,7 +186,7 @@ fn dither<S: Scalar>(p: &Params) -> Dither<S> {
 
 fn touch_down<S: Scalar>(p: &Params) -> TouchDown<S> {
     let f = S::from_f32;
-    TouchDown { weight: f(p.mass) * S::lit(GRAVITY), ground_height: f(p.ground_height) }
+    TouchDown { mass: f(p.mass), ground_height: f(p.ground_height) }
 }
 
 impl<S: Scalar> Config<S> {

@@ -6,8 +6,6 @@ use crate::scalar::Scalar;
 
 /// A winch pulls gently from this length on, m.
 const NEAR: f64 = 4.0;
-/// The vehicle may come to stand when the reference is this close to the ground, m.
-const LOW: f64 = 0.1;
 
 /// All of it is in the handover.
 #[derive(Clone, Copy, Debug)]
@@ -38,8 +36,7 @@ impl<S: Scalar> FlightMode<S> for Land {
         let fixed = if is_last { FixedPull::Floor } else { FixedPull::Full };
         let tension = cx.tension(handover, is_far_out, fixed);
         let asked = plan::fly(handover, tension, cx);
-        let low = cx.config.touch_down.ground_height + S::lit(LOW);
-        let wants_down = asked.reference.is_some_and(|r| -r.position.0.z < low);
-        Ok(Setpoints { wants_down, ..asked })
+        // A vehicle that flies lower than it is asked may stand before the reference does.
+        Ok(Setpoints { wants_down: is_last, ..asked })
     }
 }

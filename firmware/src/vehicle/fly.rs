@@ -6,15 +6,14 @@ use crate::frames::{V3, World};
 use crate::mode::{Notice, Smoothed};
 use crate::param::Params;
 use crate::scalar::Scalar;
-use crate::signal::{Event, EventQueue, PositionSource};
+use crate::signal::{Event, EventQueue, ImuHealth, PositionSource};
 use crate::supervisor::{GroundState, TouchDownInput, TouchDownState};
 use crate::time::OUTER_DT;
 
 /// Low-pass of the estimate before the position loop, per step.
 const SMOOTHING: f64 = 0.05;
-/// On ground contact the thrust runs down in this time, s, unless the vehicle rises this high, m.
+/// On ground contact the thrust runs down in this time, s.
 const CONTACT_RAMP: f64 = 0.4;
-const SETTLE_HEIGHT: f64 = 0.3;
 
 impl<S: Scalar> Vehicle<S> {
     pub(super) fn fly(&mut self, at: Moment<'_, S>, events: &mut EventQueue) {
@@ -98,22 +97,22 @@ impl<S: Scalar> Vehicle<S> {
             return;
         }
         let wants_down = setpoints.wants_down;
+        let has_accelerometer = at.sensors.imu_health == ImuHealth::Good;
         let input = TouchDownInput {
             wants_down,
             height: at.sensors.altitude_is_fresh.then_some(estimate.height),
             climb: estimate.climb,
             thrust: estimate.thrust,
-            specific_force: state.specific_force,
+            felt: has_accelerometer.then(|| state.felt.force()),
+            turning: state.felt.turning(&estimate.gyro_bias),
+            left: state.contact_ramp,
         };
         let dt = S::lit(OUTER_DT);
         let contact = self.config.touch_down.step(&mut state.touch_down, &input, dt);
         // Once the ground is felt the thrust runs out, level: the ground's push is in no model, and a
-        // position loop that believes it would hop. Only a clear rise ends that.
-        let has_risen = input
-            .height
-            .is_some_and(|h| h > self.config.touch_down.ground_height + S::lit(SETTLE_HEIGHT));
+        // position loop that believes it would hop. Only if nothing carries it, the thrust comes back.
         let is_settling = state.contact_ramp < S::one();
-        if has_risen || !wants_down {
+        if contact.falls || !wants_down {
             state.contact_ramp = S::one();
         } else if contact.touches || is_settling {
             state.contact_ramp = (state.contact_ramp - dt / S::lit(CONTACT_RAMP)).max(S::zero());

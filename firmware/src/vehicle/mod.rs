@@ -12,6 +12,7 @@
 //! supervisor event, and the motors always get a defined command.
 
 mod arbiter;
+mod felt;
 mod fly;
 mod output;
 mod requests;
@@ -40,6 +41,7 @@ use crate::signal::{
 use crate::supervisor::{FailsafeState, GroundState, TouchDownState};
 use crate::time::{INNER_DT, Micros};
 use crate::trajectory::Plan;
+use felt::Felt;
 use heapless::Deque;
 use tell::Told;
 
@@ -65,7 +67,7 @@ pub struct Vehicle<S: Scalar = f32> {
 #[derive(Clone, Debug)]
 struct State<S: Scalar> {
     sense: SenseState<S>,
-    specific_force: S,
+    felt: Felt<S>,
     /// All arming checks passed when they were last looked at.
     is_armable: bool,
     /// Since the estimators moved on.
@@ -164,7 +166,7 @@ impl<S: Scalar> Vehicle<S> {
         };
         let state = State {
             sense: SenseState::default(),
-            specific_force: S::zero(),
+            felt: Felt::default(),
             is_armable: false,
             phase: OuterPhase::Idle,
             landed_at: None,
@@ -293,7 +295,7 @@ impl<S: Scalar> Vehicle<S> {
             Phase::Powered
         };
         if let Some(imu) = &sensors.imu {
-            state.specific_force = crate::math::so3::norm(&imu.value.accel.0);
+            state.felt.step(&imu.value);
         }
         let was_levelled = situation.estimate.is_levelled;
         let navigation = &self.config.navigation;

@@ -105,7 +105,8 @@ impl Verdict {
         if aside > ASIDE_MAX {
             self.lose("touched down sideways");
         }
-        if from_anchor.x.hypot(from_anchor.y) > self.longest_line + BEYOND_LINE {
+        let is_tethered = plant.model().tether.pulls;
+        if is_tethered && from_anchor.x.hypot(from_anchor.y) > self.longest_line + BEYOND_LINE {
             self.lose("came down beyond its line");
         }
     }
