@@ -205,7 +205,7 @@ fn a_cut_cable_is_a_failure_from_the_first_step_of_the_descent() {
     for mode in [Mode::TautForce, Mode::TautAttitude, Mode::TetherAngle] {
         for seed in 1..=6 {
             let (_, out) = cut_in(mode, seed);
-            assert_ne!(out.failures & 1 << Failure::TetherSlack as u16, 0, "{mode:?}, {seed}");
+            assert_ne!(out.failures & 1 << Failure::TetherSlack as u32, 0, "{mode:?}, {seed}");
         }
     }
 }
@@ -226,7 +226,7 @@ fn no_mode_on_the_link_may_be_asked_back_while_the_link_is_gone() {
 #[test]
 fn a_failure_that_ended_a_flight_is_told_until_the_motors_stand() {
     let (mut flight, _) = cut_in(Mode::TautForce, 3);
-    let slack = 1 << Failure::TetherSlack as u16;
+    let slack = 1 << Failure::TetherSlack as u32;
     until(&mut flight, 60.0, |out| {
         assert!(!out.is_armed || out.failures & slack != 0, "forgotten at {:?}", out.now);
         !out.is_armed
@@ -242,7 +242,7 @@ fn a_take_off_that_does_not_lift_is_a_failure_that_stops_the_motors() {
     let mut flight = fly(&scenario);
     until(&mut flight, 20.0, |out| out.is_armed);
     let out = until(&mut flight, 20.0, |out| !out.is_armed);
-    assert_ne!(out.failures & 1 << Failure::NoLiftOff as u16, 0);
+    assert_ne!(out.failures & 1 << Failure::NoLiftOff as u32, 0);
     let told = |text: &str| flight.events.iter().filter(|(_, e)| e.text.contains(text)).count();
     assert_eq!(told("Take-off failed: no lift-off"), 1);
 }
@@ -285,7 +285,7 @@ fn a_pilots_escape_does_not_lift_the_ban_that_a_cut_cable_set() {
         ask(&mut flight, mode);
         let out = run(&mut flight, 0.05);
         assert_eq!(out.mode, Mode::Altitude);
-        assert_ne!(out.failures & 1 << Failure::TetherSlack as u16, 0);
+        assert_ne!(out.failures & 1 << Failure::TetherSlack as u32, 0);
     }
 }
 

@@ -82,7 +82,7 @@ flight_topics! {
 }
 
 /// What a change of is worth a record of its own.
-type Stage = (bool, crate::supervisor::Mode, crate::supervisor::GroundState, u16);
+type Stage = (bool, crate::supervisor::Mode, crate::supervisor::GroundState, u32);
 
 /// Writes what each step says. Whoever logs beside it (the simulator's truth) uses [`Self::ulog`].
 #[derive(Clone, Copy, Debug)]

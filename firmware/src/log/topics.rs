@@ -189,7 +189,7 @@ record! {
         /// A failsafe is active.
         failsafe: bool,
         /// Bit n: row n of the failsafe table.
-        failures: u16,
+        failures: u32,
         /// All arming checks pass.
         pre_flight_checks_pass: bool,
     }

@@ -369,8 +369,9 @@ params! {
         slack_tension: "FS_SLACK_TEN" Real ["N"] = 0.4 in 0.0 ..= 10.0;
         /// Time in a level hover without motion capture before the descent.
         capture_loss_time: "FS_CAP_T" Real ["s"] = 3.0 in 0.2 ..= 60.0;
-        /// Age at which the inertial sensor counts as stale.
-        imu_timeout: "FS_IMU_T" Real ["s"] = 0.1 in 0.02 ..= 1.0;
+        /// Time without a new inertial sample, missing, late or repeated, until the sensor counts as lost. Till then
+        /// motors and estimators go on with the last one.
+        imu_timeout: "FS_IMU_T" Real ["s"] = 0.3 in 0.02 ..= 1.0;
         /// Age at which the altitude counts as lost.
         altimeter_timeout: "FS_ALT_T" Real ["s"] = 1.0 in 0.1 ..= 10.0;
         /// Time of failed innovation tests before the estimate counts as diverged.

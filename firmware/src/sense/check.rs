@@ -1,62 +1,114 @@
-//! May this inertial reading be believed? Range, age, frozen value.
+//! May this inertial reading be believed? Age, repeats, rate and range.
 
 use crate::param::Params;
 use crate::signal::{ImuHealth, RawImu};
 use crate::time::{Micros, Sample};
 
-/// Identical samples in a row that count as frozen. Noise of one count makes even three unlikely.
-const FROZEN_SAMPLES: u16 = 25;
-/// Samples at the end of the range in a row that count as a fault.
+/// Samples with an axis at the end of its range in a row that count as a fault.
 const CLIPPED_SAMPLES: u16 = 50;
 /// What the data registers hold until the sensor starts.
 const INVALID: i16 = i16::MIN;
+/// The rate is counted over so long, µs, and may be off by this share.
+const RATE_WINDOW_US: u64 = 2_000_000;
+const RATE_TOLERANCE: f32 = 0.2;
 
 /// Configuration.
 #[derive(Clone, Copy, Debug)]
 pub struct ImuCheck {
     timeout_us: u64,
+    /// Samples in a window.
+    expected: f32,
 }
 
 /// What moves.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct ImuCheckState {
+    /// The last sample that was new.
     last: Option<Sample<RawImu>>,
-    repeats: u16,
+    /// Newer ones are the same to the last bit.
+    is_repeating: bool,
     clipped: u16,
+    /// Begin of the window, and new samples in it.
+    window: Option<Micros>,
+    counted: u32,
+    /// Of the last full window.
+    is_irregular: bool,
+}
+
+fn is_at_end(count: i16) -> bool {
+    count == i16::MAX || count <= i16::MIN + 1
 }
 
 impl ImuCheck {
-    pub fn new(params: &Params) -> Self {
-        Self { timeout_us: (params.imu_timeout * 1e6) as u64 }
+    pub fn new(params: &Params, rate_hz: f32) -> Self {
+        Self {
+            timeout_us: (params.imu_timeout * 1e6) as u64,
+            expected: rate_hz * (RATE_WINDOW_US as f32 * 1e-6),
+        }
     }
 
-    /// Whether to use this sample.
-    pub fn step(&self, state: &mut ImuCheckState, now: Micros, sample: &Sample<RawImu>) -> bool {
+    /// The sample, if it is new and in time. An axis at the end of its range says what it said before: how much more it
+    /// would say nobody knows.
+    pub fn step(
+        &self,
+        state: &mut ImuCheckState,
+        now: Micros,
+        sample: Option<&Sample<RawImu>>,
+    ) -> Option<Sample<RawImu>> {
+        self.count(state, now);
+        let sample = sample?;
         let raw = &sample.value;
         let counts = || raw.accel.iter().chain(&raw.gyro);
         // A part that has not started is as good as absent.
         if now.since(sample.at) > self.timeout_us || counts().all(|&n| n == INVALID) {
-            return false;
+            return None;
         }
+        let mut believed = *sample;
         if let Some(last) = state.last {
             if sample.at <= last.at {
-                return false;
+                return None;
             }
-            let same = last.value.accel == raw.accel && last.value.gyro == raw.gyro;
-            state.repeats = if same { state.repeats.saturating_add(1) } else { 0 };
+            // Noise of one count makes even three equal ones unlikely.
+            state.is_repeating = last.value.accel == raw.accel && last.value.gyro == raw.gyro;
+            if state.is_repeating {
+                return None;
+            }
+            let kept = |now: &mut [i16; 3], before: [i16; 3]| {
+                for (count, before) in now.iter_mut().zip(before) {
+                    *count = if is_at_end(*count) { before } else { *count };
+                }
+            };
+            kept(&mut believed.value.accel, last.value.accel);
+            kept(&mut believed.value.gyro, last.value.gyro);
         }
-        let at_end = counts().any(|&n| n == i16::MAX || n <= i16::MIN + 1);
-        state.clipped = if at_end { state.clipped.saturating_add(1) } else { 0 };
-        state.last = Some(*sample);
-        state.repeats < FROZEN_SAMPLES
+        let clips = counts().any(|&n| is_at_end(n));
+        state.clipped = if clips { state.clipped.saturating_add(1) } else { 0 };
+        state.counted += 1;
+        state.last = Some(believed);
+        Some(believed)
+    }
+
+    fn count(&self, state: &mut ImuCheckState, now: Micros) {
+        let began = *state.window.get_or_insert(now);
+        if now.since(began) >= RATE_WINDOW_US {
+            let off = (state.counted as f32 - self.expected).abs();
+            state.is_irregular = off > self.expected * RATE_TOLERANCE;
+            (state.window, state.counted) = (Some(now), 0);
+        }
+    }
+
+    /// Whether what it said last still holds, for want of something newer.
+    pub fn holds(&self, state: &ImuCheckState, now: Micros) -> bool {
+        state.last.is_some_and(|last| now.since(last.at) <= self.timeout_us)
     }
 
     pub fn health(&self, state: &ImuCheckState, now: Micros) -> ImuHealth {
         match state.last {
             None => ImuHealth::Missing,
-            Some(last) if now.since(last.at) > self.timeout_us => ImuHealth::Stale,
+            Some(_) if !self.holds(state, now) && state.is_repeating => ImuHealth::Frozen,
+            Some(_) if !self.holds(state, now) => ImuHealth::Stale,
             Some(_) if state.clipped >= CLIPPED_SAMPLES => ImuHealth::OutOfRange,
-            Some(_) if state.repeats >= FROZEN_SAMPLES => ImuHealth::Frozen,
+            Some(_) if state.is_irregular => ImuHealth::Irregular,
             Some(_) => ImuHealth::Good,
         }
     }

@@ -100,8 +100,9 @@ impl<S: Scalar> LineSense<S> {
         let field = raw.magnetometer.and_then(|raw| self.field(raw.counts, mounting, current));
         keep(&mut known.magnetic, magnetic, now, field);
         let imu = raw.second_imu.and_then(|value| {
-            let is_usable = self.check.step(&mut state.second, now, &Sample { at: now, value });
-            is_usable.then(|| self.imu(&value, mounting))
+            let sample = Sample { at: now, value };
+            let fresh = self.check.step(&mut state.second, now, Some(&sample))?;
+            Some(self.imu(&fresh.value, mounting))
         });
         keep(&mut known.second_imu, second, now, imu);
         *known

@@ -101,6 +101,8 @@ pub struct SenseState<S: Scalar> {
     accel_notch: Biquad3State<S>,
     gyro_notch: Biquad3State<S>,
     check: ImuCheckState,
+    /// The last reading.
+    inertial: Option<Imu<S>>,
     altimeter: AltimeterState<S>,
     battery: BatteryState<S>,
     line: LineState<S>,
@@ -132,14 +134,14 @@ impl<S: Scalar> Sense<S> {
         let mounting = Mounting::from_parameter(params.board_rotation);
         let calibration = Calibration::new(params, scale);
         Self {
-            line: LineSense::new(params, calibration, ImuCheck::new(params)),
+            line: LineSense::new(params, calibration, ImuCheck::new(params, scale.rate_hz)),
             mounting: mounting.unwrap_or(Mounting::ALIGNED),
             mounting_is_known: mounting.is_some(),
             calibration,
             accel_filter: Biquad::low_pass(params.accel_cutoff, scale.rate_hz),
             gyro_filter: Biquad::low_pass(params.gyro_cutoff, scale.rate_hz),
             notch: Biquad::notch(params.notch_freq, params.notch_bandwidth, scale.rate_hz),
-            check: ImuCheck::new(params),
+            check: ImuCheck::new(params, scale.rate_hz),
             altimeter: Altimeter::new(params),
             battery: BatteryMonitor::new(params),
         }
@@ -159,13 +161,17 @@ impl<S: Scalar> Sense<S> {
         raw: &RawSensors,
         cos_tilt: S,
     ) -> Sensors<S> {
-        let imu = raw.imu.and_then(|sample| {
-            let usable = self.check.step(&mut state.check, now, &sample);
+        let fresh = self.check.step(&mut state.check, now, raw.imu.as_ref());
+        let imu_is_held = fresh.is_none();
+        if let Some(sample) = fresh {
             if sample.value.temperature.is_finite() {
                 state.temperature = sample.value.temperature;
             }
-            usable.then(|| Sample { at: sample.at, value: self.convert(state, &sample.value) })
-        });
+            state.inertial = Some(self.convert(state, &sample.value));
+        }
+        // Who integrates goes on with the last reading: each step is a millisecond, whatever arrived in it.
+        let holds = self.check.holds(&state.check, now);
+        let imu = state.inertial.filter(|_| holds).map(|value| Sample { at: now, value });
         let altitude = self.altimeter.step(&mut state.altimeter, raw, cos_tilt);
         let tether_length = raw.tether.filter(|sample| sample.value.length_mm >= 0).map(|sample| {
             state.tether_at = Some(sample.at);
@@ -188,6 +194,7 @@ impl<S: Scalar> Sense<S> {
                 Some(Sample { at: sample.at, value })
             }),
             battery,
+            imu_is_held,
             imu_health: self.check.health(&state.check, now),
             altitude_is_fresh: self.altimeter.is_fresh(&state.altimeter, now),
             altitude_is_ranged: self.altimeter.is_ranged(&state.altimeter, now),
@@ -224,6 +231,7 @@ impl ImuHealth {
             Self::Stale => "IMU: data stale",
             Self::Frozen => "IMU: data frozen",
             Self::OutOfRange => "IMU: data out of range",
+            Self::Irregular => "IMU: wrong sample rate",
         }
     }
 }

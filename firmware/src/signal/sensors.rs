@@ -89,6 +89,8 @@ pub enum ImuHealth {
     Frozen,
     /// Readings sit at the end of the range, or the part says that they are invalid.
     OutOfRange,
+    /// They come too seldom or too often.
+    Irregular,
 }
 
 /// Battery in SI units.
@@ -127,6 +129,8 @@ pub struct Sensors<S: Scalar = f32> {
     pub battery: Option<Battery<S>>,
     /// State of the inertial sensor.
     pub imu_health: ImuHealth,
+    /// No new reading came: the inertial values are the last ones.
+    pub imu_is_held: bool,
     /// Whether an altitude arrived within its time-out.
     pub altitude_is_fresh: bool,
     /// Whether the altitude comes from the rangefinder (else from the barometer).

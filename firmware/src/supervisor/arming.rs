@@ -43,7 +43,7 @@ pub struct ArmingCheck {
 }
 
 /// All checks, in the order in which they are reported. A table: rows look alike.
-pub const ARMING_CHECKS: [ArmingCheck; 13] = [
+pub const ARMING_CHECKS: [ArmingCheck; 14] = [
     ArmingCheck {
         name: "imu present",
         text: "Arming denied: IMU: no data",
@@ -67,6 +67,12 @@ pub const ARMING_CHECKS: [ArmingCheck; 13] = [
         text: "Arming denied: IMU: data out of range",
         may_be_forced: false,
         passes: |f| f.imu != ImuHealth::OutOfRange,
+    },
+    ArmingCheck {
+        name: "imu rate",
+        text: "Arming denied: IMU: wrong sample rate",
+        may_be_forced: false,
+        passes: |f| f.imu != ImuHealth::Irregular,
     },
     ArmingCheck {
         name: "imu mounting",
@@ -163,6 +169,7 @@ mod tests {
             ArmingFacts { imu: ImuHealth::Stale, ..good() },
             ArmingFacts { imu: ImuHealth::Frozen, ..good() },
             ArmingFacts { imu: ImuHealth::OutOfRange, ..good() },
+            ArmingFacts { imu: ImuHealth::Irregular, ..good() },
             ArmingFacts { mounting_is_known: false, ..good() },
             ArmingFacts { is_levelled: false, ..good() },
             ArmingFacts { cos_tilt: 0.5, ..good() },

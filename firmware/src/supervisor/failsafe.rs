@@ -39,6 +39,10 @@ pub enum Failure {
     NoLiftOff = 13,
     /// What held the vehicle does so no more: a cut cable.
     TetherGone = 14,
+    /// Inertial samples come at a wrong rate.
+    ImuIrregular = 15,
+    /// No inertial data for so long that nothing is known of the attitude.
+    ImuGone = 16,
 }
 
 /// Where a failure ends. Ordered by severity.
@@ -138,21 +142,22 @@ const BATTERY_DELAY_US: u64 = 3_000_000;
 const CAPSIZED_COS: f32 = 0.17;
 const CAPSIZED_DELAY_US: u64 = 300_000;
 
+/// So long an attitude that nobody measures stays near level; after that the motors would only push somewhere.
+const BLIND_DELAY_US: u64 = 1_200_000;
+
 /// Whether a failure matters in this mode. Descent is where most of them end: there the flag stays up.
 fn concerns(mode: Mode, need: impl Fn(&Needs) -> bool) -> bool {
     need(&mode.rule().needs) || mode == FailsafeAction::LEVEL
 }
 
 /// All failures, ordered as [`Failure`].
-pub const FAILSAFES: [Failsafe; 15] = [
+pub const FAILSAFES: [Failsafe; 17] = [
     Failsafe {
         failure: Failure::ImuLost,
-        text: "IMU lost: motors off",
-        is_present: |_, f| {
-            matches!(f.imu, ImuHealth::Missing | ImuHealth::Stale | ImuHealth::Frozen)
-        },
+        text: "IMU lost: descending blind",
+        is_present: |_, f| is_blind(f),
         delay: |_| 0,
-        action: |_| FailsafeAction::Terminate,
+        action: |_| FailsafeAction::Descend,
     },
     Failsafe {
         failure: Failure::ImuClipped,
@@ -253,7 +258,26 @@ pub const FAILSAFES: [Failsafe; 15] = [
         delay: |_| 0,
         action: |_| FailsafeAction::Descend,
     },
+    Failsafe {
+        failure: Failure::ImuIrregular,
+        text: "IMU sample rate wrong: landing",
+        is_present: |_, f| f.imu == ImuHealth::Irregular,
+        delay: |_| 0,
+        action: |_| FailsafeAction::Land,
+    },
+    Failsafe {
+        failure: Failure::ImuGone,
+        text: "IMU lost: motors off",
+        is_present: |_, f| is_blind(f),
+        delay: |_| BLIND_DELAY_US,
+        action: |_| FailsafeAction::Terminate,
+    },
 ];
+
+/// Nothing says how the vehicle turns.
+const fn is_blind(f: &FailsafeFacts) -> bool {
+    matches!(f.imu, ImuHealth::Missing | ImuHealth::Stale | ImuHealth::Frozen)
+}
 
 /// A failure that a mode raised forbids what its action forbids for at least so long, µs; by then the facts show it,
 /// if it is still there.
@@ -264,24 +288,24 @@ const RAISED_US: u64 = 5_000_000;
 pub struct FailsafeState {
     since: [Option<Micros>; FAILSAFES.len()],
     /// By a mode, until [`Self::raised_until`].
-    raised: u16,
+    raised: u32,
     raised_until: Micros,
     /// Has lasted its delay and is still there: forbids modes.
-    in_force: u16,
+    in_force: u32,
     /// Ended the flight that was flown, until somebody asks for another mode.
-    latched: u16,
+    latched: u32,
 }
 
 impl FailsafeState {
     /// What the operator is told: in force, or the cause of what the vehicle does now.
     #[must_use]
-    pub const fn active(&self) -> u16 {
+    pub const fn active(&self) -> u32 {
         self.in_force | self.latched
     }
 
     /// What has lasted its delay and is still there.
     #[must_use]
-    pub const fn in_force(&self) -> u16 {
+    pub const fn in_force(&self) -> u32 {
         self.in_force
     }
 
@@ -299,8 +323,8 @@ impl FailsafeState {
 impl Failure {
     /// Its bit.
     #[must_use]
-    pub const fn mask(self) -> u16 {
-        1 << self as u16
+    pub const fn mask(self) -> u32 {
+        1 << self as u32
     }
 
     /// Its row.
@@ -343,7 +367,7 @@ impl Failsafes {
         let mut worst: Option<FailsafeAction> = None;
         let mut fresh: Option<(FailsafeAction, &'static Failsafe)> = None;
         for ((row, since), bit) in FAILSAFES.iter().zip(&mut state.since).zip(0_u32..) {
-            let mask = 1_u16 << bit;
+            let mask = 1_u32 << bit;
             let is_raised = state.raised & mask != 0;
             let is_present = (row.is_present)(self, facts);
             if !(is_present || is_raised) {
@@ -389,7 +413,7 @@ impl Failsafes {
 
     /// The most severe action of some failures, bit n for row n.
     #[must_use]
-    pub fn severest(&self, failures: u16) -> Option<FailsafeAction> {
+    pub fn severest(&self, failures: u32) -> Option<FailsafeAction> {
         FAILSAFES
             .iter()
             .filter(|row| failures & row.failure.mask() != 0)

@@ -48,6 +48,9 @@ use tell::Told;
 /// Requests that may wait for the parameters.
 const WAITING: usize = 4;
 
+/// Of the last thrust, for the descent of a vehicle that no longer knows how it turns.
+const BLIND_SHARE: f64 = 0.65;
+
 /// One autopilot.
 #[derive(Clone, Debug)]
 pub struct Vehicle<S: Scalar = f32> {
@@ -73,6 +76,8 @@ struct State<S: Scalar> {
     /// Since the estimators moved on.
     phase: OuterPhase,
     landed_at: Option<Micros>,
+    /// No inertial reading since a while.
+    is_blind: bool,
     told: Told,
     failsafe: FailsafeState,
     touch_down: TouchDownState<S>,
@@ -170,6 +175,7 @@ impl<S: Scalar> Vehicle<S> {
             is_armable: false,
             phase: OuterPhase::Idle,
             landed_at: None,
+            is_blind: false,
             told: Told::default(),
             failsafe: FailsafeState::default(),
             touch_down: TouchDownState::default(),
@@ -390,7 +396,14 @@ impl<S: Scalar> Vehicle<S> {
             let idle = self.config.mixer.min;
             state.actuation.thrusts.fill(idle);
             state.rate = RateState::default();
-        } else if sensors.imu.is_some() {
+        } else if sensors.imu.is_none() {
+            // Blind: what the motors did, and less of it.
+            if !core::mem::replace(&mut state.is_blind, true) {
+                let share = S::lit(BLIND_SHARE);
+                state.actuation.thrusts.iter_mut().for_each(|thrust| *thrust *= share);
+            }
+        } else if !sensors.imu_is_held {
+            state.is_blind = false;
             let estimate = &situation.estimate;
             let pull = match (&estimate.tether, &estimate.position) {
                 // The specific force is the thrust, which has no part across the body axis, and the pull.

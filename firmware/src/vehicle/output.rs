@@ -66,7 +66,7 @@ pub struct StepOutput {
     /// All arming checks pass.
     pub is_armable: bool,
     /// Bit n: row n of the failsafe table is active.
-    pub failures: u16,
+    pub failures: u32,
     /// Answer to this step's request.
     pub reply: Option<Reply>,
     /// For the operator.
