@@ -39,28 +39,49 @@ fn upright(flight: &Flight<Vec<u8>>) -> bool {
 }
 
 #[test]
-fn a_frozen_imu_in_flight_stops_the_motors() {
-    let mut flight = broken_in_hold(FaultKind::ImuFrozen, 0.0);
-    let began = flight.world.time();
-    let out = until(&mut flight, 1.0, |out| !out.is_armed);
-    assert_eq!(out.sensors.imu_health, ImuHealth::Frozen);
-    assert!(flight.world.time() - began < 0.1);
-    assert!(told(&flight, "IMU lost: motors off"));
-    assert!(out.actuation.throttle.iter().all(|&u| u == 0.0));
+fn an_imu_that_stays_away_ends_in_a_blind_descent_and_motors_off_last() {
+    for (kind, health) in [
+        (FaultKind::ImuFrozen, ImuHealth::Frozen),
+        (FaultKind::ImuSilent, ImuHealth::Stale),
+        (FaultKind::ImuDead, ImuHealth::Frozen),
+    ] {
+        let mut flight = broken_in_hold(kind, 0.0);
+        let began = flight.world.time();
+        let out = until(&mut flight, 1.0, |out| out.mode == Mode::Descent);
+        assert_eq!(out.sensors.imu_health, health);
+        assert!(told(&flight, "IMU lost: descending blind"));
+        let out = until(&mut flight, 2.0, |out| !out.is_armed);
+        assert!((1.4..1.7).contains(&(flight.world.time() - began)), "{kind:?}");
+        assert!(told(&flight, "IMU lost: motors off"));
+        assert!(out.actuation.throttle.iter().all(|&u| u == 0.0));
+    }
 }
 
 #[test]
-fn a_silent_imu_in_flight_stops_the_motors() {
-    let mut flight = broken_in_hold(FaultKind::ImuSilent, 0.0);
-    let out = until(&mut flight, 1.0, |out| !out.is_armed);
-    assert_eq!(out.sensors.imu_health, ImuHealth::Stale);
+fn an_inertial_gap_is_flown_through_whatever_its_kind() {
+    for kind in [FaultKind::ImuFrozen, FaultKind::ImuSilent, FaultKind::ImuDead] {
+        let mut flight = broken_in_hold(kind, 0.0);
+        run(&mut flight, 0.2);
+        flight.world.environment.faults.clear(kind);
+        let out = run(&mut flight, 20.0);
+        assert_eq!((out.mode, out.is_armed), (Mode::TetherHold, true), "{kind:?}");
+        assert_eq!(flight.metrics.verdict.lost, None);
+    }
 }
 
 #[test]
-fn an_imu_that_left_its_bus_in_flight_stops_the_motors() {
-    let mut flight = broken_in_hold(FaultKind::ImuDead, 0.0);
-    until(&mut flight, 1.0, |out| !out.is_armed);
-    assert!(told(&flight, "IMU lost: motors off"));
+fn every_other_inertial_sample_lands_and_a_clipped_axis_descends_softly() {
+    for (kind, value, mode, text) in [
+        (FaultKind::ImuRate, 500.0, Mode::Land, "IMU sample rate wrong"),
+        (FaultKind::AccelClipped, 0.0, Mode::Descent, "IMU out of range"),
+    ] {
+        let mut flight = broken_in_hold(kind, value);
+        until(&mut flight, 5.0, |out| out.mode == mode);
+        assert!(told(&flight, text));
+        down(&mut flight, 90.0);
+        assert_eq!(flight.metrics.verdict.lost, None, "{kind:?}");
+        assert!(flight.metrics.verdict.touch_down.unwrap() < 0.8);
+    }
 }
 
 #[test]

@@ -122,14 +122,14 @@ single! {
     Battery { voltage, current, drawn, cell, remaining }
     Sensors {
         imu, altitude, tether_length, capture, velocity, rod, line, battery;
-        imu_health, imu_is_held, altitude_is_fresh, altitude_is_ranged, tether_is_fresh, imu_temperature
+        imu_health, imu_is_held, accel_is_believed, altitude_is_fresh, altitude_is_ranged, tether_is_fresh, imu_temperature
     }
     LineSensors { direction, tension, station_tension, station_direction, magnetic, second_imu }
     TetherState { elevation, azimuth, length, tension; is_taut }
     FilterHealth { accel, altitude, length }
     Estimate {
-        attitude, rate, gyro_bias, height, climb, position, velocity, tether, position_sd, heading_sd, air_force, thrust,
-        health;
+        attitude, rate, gyro_bias, height, climb, altitude_rate, position, velocity, tether, position_sd, heading_sd, air_force, drift,
+        outside, thrust, health;
         restarts, length_jumps, tether_is_gone, aids, source, is_levelled, has_diverged
     }
     FlightReference { position, velocity, yaw, tension }

@@ -19,7 +19,14 @@ pub struct VerticalState<S> {
     pub height: S,
     /// m/s.
     pub climb: S,
+    /// What the upward acceleration is off by, m/s².
+    pub bias: S,
 }
+
+/// How fast the bias follows, in bandwidths cubed: 2 s at 3 rad/s.
+const BIAS_GAIN: f64 = 0.15;
+/// Largest bias, m/s².
+const BIAS_MAX: f64 = 3.0;
 
 impl<S: Scalar> VerticalFilter<S> {
     /// Integrates the upward acceleration over `dt` s.
@@ -27,8 +34,9 @@ impl<S: Scalar> VerticalFilter<S> {
         if !has_altimeter {
             state.climb -= state.climb * dt / self.fade;
         }
-        state.height += state.climb * dt + accel_up * dt * dt * S::lit(0.5);
-        state.climb += accel_up * dt;
+        let accel = accel_up + state.bias;
+        state.height += state.climb * dt + accel * dt * dt * S::lit(0.5);
+        state.climb += accel * dt;
     }
 
     /// Takes an altitude, `dt` s after the previous one.
@@ -37,5 +45,7 @@ impl<S: Scalar> VerticalFilter<S> {
         let error = altitude - state.height;
         state.height += error * w * S::lit(1.6);
         state.climb += error * w * self.bandwidth;
+        let bias = state.bias + error * w * self.bandwidth * self.bandwidth * S::lit(BIAS_GAIN);
+        state.bias = bias.limit_abs(S::lit(BIAS_MAX));
     }
 }

@@ -41,6 +41,8 @@ pub(crate) struct Situation<S: Scalar> {
     pub sticks: Option<Sample<Sticks>>,
     pub armed_at: Option<Micros>,
     pub mixer: MixerReport,
+    /// The position is believed.
+    pub has_place: bool,
     /// Of the last step.
     pub setpoints: Setpoints<S>,
 }

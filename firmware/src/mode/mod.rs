@@ -220,7 +220,7 @@ active_modes! {
     TetherHold: hold::Hold;
     Takeoff: takeoff::Takeoff<S>;
     Land: land::Land;
-    Descent: descent::Descent;
+    Descent: descent::Descent<S>;
     TautForce: feature::TautLink<taut::TautLink<S>>;
     TautAttitude: feature::TautLink<taut::TautLink<S>>;
     TetherAngle: feature::TetherAngle<tether_angle::TetherAngle<S>>;

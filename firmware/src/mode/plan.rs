@@ -48,7 +48,7 @@ pub(super) fn fly<S: Scalar>(
     let Some(smoothed) = situation.smoothed else {
         // The failsafe table ends it: at once on a tether, after a while without motion capture.
         return match cx.config.constants.radial_control {
-            RadialControl::Free => fly_level(handover, S::zero(), tension, cx),
+            RadialControl::Free => fly_level(handover, S::zero(), tension, &V3::zeros(), cx),
             RadialControl::Winch | RadialControl::FixedLength => descend(handover, tension, cx),
         };
     };

@@ -7,6 +7,7 @@ mod alignment;
 mod compass;
 mod decimator;
 mod divergence;
+mod drift;
 mod full_state;
 mod heading;
 mod lift_off;
@@ -29,6 +30,7 @@ use crate::time::{Micros, OUTER_DT, Sample};
 use alignment::{Alignment, AlignmentState, Stance};
 use compass::Compass;
 use decimator::Decimator;
+use drift::Drift;
 use full_state::Height;
 use heading::HeadingDrift;
 use lift_off::{LiftOff, LiftOffState};
@@ -55,16 +57,22 @@ pub enum Phase {
     Touching,
 }
 
+/// Share of a step of what acts beside the thrust: a second.
+const BESIDE_SHARE: f64 = 0.004;
+
 /// Configuration.
 #[derive(Clone, Copy, Debug)]
 pub struct Navigation<S: Scalar> {
     alignment: Alignment<S>,
     compass: Compass<S>,
     vertical: VerticalFilter<S>,
+    steady: VerticalFilter<S>,
     thrust: ThrustModel<S>,
     lift_off: LiftOff<S>,
     position: PositionFilter<S>,
     ground_height: S,
+    /// 1/kg.
+    per_mass: S,
 }
 
 /// What moves.
@@ -89,6 +97,14 @@ pub struct NavigationState<S: Scalar> {
     rate: V3<S>,
     last_thrust: S,
     average: Imu<S>,
+    /// Specific force beside the thrust's, low-passed, body axes, m/s².
+    beside_thrust: V3<S>,
+    drift: Drift<S>,
+    /// What the altimeter alone says.
+    steady: VerticalState<S>,
+    /// Asked of the winch in the last step, N.
+    asked_tension: S,
+    is_numb: bool,
 }
 
 impl<S: Scalar> Navigation<S> {
@@ -100,6 +116,7 @@ impl<S: Scalar> Navigation<S> {
             alignment: Alignment::new(p, imu_rate_hz),
             compass: Compass::new(p),
             vertical: VerticalFilter { bandwidth: S::lit(3.0), fade: S::lit(5.0) },
+            steady: VerticalFilter { bandwidth: S::lit(2.5), fade: S::lit(5.0) },
             thrust: ThrustModel {
                 lag: first_order(p.motor_tau, 1.0 / imu_rate_hz),
                 scale: S::from_f32(p.thrust_scale),
@@ -108,6 +125,7 @@ impl<S: Scalar> Navigation<S> {
             lift_off: LiftOff::new(p),
             position: PositionFilter::new(p),
             ground_height: S::from_f32(p.ground_height),
+            per_mass: S::from_f32(1.0 / p.mass),
         }
     }
 
@@ -118,7 +136,7 @@ impl<S: Scalar> Navigation<S> {
             decimator: Decimator::default(),
             thrust: ThrustModelState::default(),
             alignment: AlignmentState::default(),
-            vertical: VerticalState { height: self.ground_height, climb: S::zero() },
+            vertical: VerticalState { height: self.ground_height, ..VerticalState::default() },
             lift_off: LiftOffState::default(),
             position: self.position.start(),
             heading: HeadingDrift::new(S::zero()),
@@ -133,6 +151,11 @@ impl<S: Scalar> Navigation<S> {
             rate: V3::zeros(),
             last_thrust: S::zero(),
             average: Imu { gyro: Body(V3::zeros()), accel: Body(V3::zeros()) },
+            beside_thrust: V3::zeros(),
+            drift: Drift::default(),
+            steady: VerticalState::default(),
+            asked_tension: S::zero(),
+            is_numb: false,
         }
     }
 
@@ -176,7 +199,12 @@ impl<S: Scalar> Navigation<S> {
     fn receive(&self, state: &mut NavigationState<S>, sensors: &Sensors<S>) {
         if let Some(altitude) = sensors.altitude {
             let dt = state.altitude_at.map_or(0.02, |at| altitude.at.seconds_since(at).min(0.1));
-            self.vertical.correct(&mut state.vertical, altitude.value, S::from_f32(dt));
+            let dt = S::from_f32(dt);
+            self.vertical.correct(&mut state.vertical, altitude.value, dt);
+            // Without inertia.
+            state.steady.height += state.steady.climb * dt;
+            self.steady.correct(&mut state.steady, altitude.value, dt);
+            state.steady.bias = S::zero();
             state.altitude_at = Some(altitude.at);
             state.pending_altitude = Some(altitude.value);
         }
@@ -200,13 +228,26 @@ impl<S: Scalar> Navigation<S> {
         let Some(sit) = &mut state.alignment.attitude else {
             return;
         };
+        // What the thrust does, and what else acted when that was last felt.
+        let thrust = V3::new(S::zero(), S::zero(), -state.last_thrust * self.per_mass);
+        state.is_numb = !sensors.accel_is_believed;
+        if sensors.accel_is_believed {
+            let rest = state.average.accel.0 - thrust;
+            state.beside_thrust += (rest - state.beside_thrust) * S::lit(BESIDE_SHARE);
+        } else {
+            state.average.accel = Body(thrust + state.beside_thrust);
+        }
         let imu = state.average;
         let stance = match phase {
             _ if !on_ground => Stance::Airborne,
             Phase::Powered if self.lift_off.is_light(state.last_thrust) => Stance::Light,
             _ => Stance::Standing,
         };
-        self.alignment.step(sit, &imu, stance, dt);
+        // An accelerometer that is not believed says nothing of the attitude: as if it felt the weight alone.
+        let rest = World(V3::new(S::zero(), S::zero(), -S::lit(GRAVITY)));
+        let believed = sensors.accel_is_believed;
+        let upright = if believed { imu.accel } else { sit.attitude.to_body(rest) };
+        self.alignment.step(sit, &Imu { gyro: imu.gyro, accel: upright }, stance, dt);
         let field = sensors.line.magnetic.filter(|_| on_ground);
         if let Some(deviation) = self.compass.deviation(&sit.attitude, field) {
             Alignment::follow(sit, deviation);
@@ -214,6 +255,7 @@ impl<S: Scalar> Navigation<S> {
         }
         let force = sit.attitude.to_world(imu.accel);
         let accel_up = -(force.0.z + S::lit(GRAVITY));
+        state.drift.step(&force, dt);
         self.vertical.predict(&mut state.vertical, accel_up, dt, sensors.altitude_is_fresh);
         self.position.predict(&mut state.position, &force);
         match phase {
@@ -223,6 +265,7 @@ impl<S: Scalar> Navigation<S> {
                 }
                 state.lift_off = LiftOffState::default();
                 state.vertical.climb = S::zero();
+                state.drift = Drift::default();
             }
             Phase::Powered if on_ground => {
                 let height = state.vertical.height;
@@ -251,6 +294,7 @@ impl<S: Scalar> Navigation<S> {
                 .take()
                 .map(|value| Height { value, is_ranged: sensors.altitude_is_ranged }),
             length: state.pending_length.take(),
+            accel_is_believed: sensors.accel_is_believed,
             line: &sensors.line,
             place: state.pending_place.take(),
             velocity: state.pending_velocity.take(),
@@ -260,6 +304,9 @@ impl<S: Scalar> Navigation<S> {
 
     /// A part of the step that the full-state filter does in a later millisecond.
     pub fn advance(&self, state: &mut NavigationState<S>, stage: Stage, intent: &Intent<S>) {
+        if stage == Stage::Predict {
+            state.ask(intent.tension);
+        }
         let Some(sit) = &state.alignment.attitude else {
             return;
         };
@@ -293,6 +340,7 @@ impl<S: Scalar> Navigation<S> {
             gyro_bias: attitude.gyro_bias,
             height: state.vertical.height,
             climb: state.vertical.climb,
+            altitude_rate: state.steady.climb,
             position: None,
             velocity: None,
             tether: None,
@@ -300,6 +348,8 @@ impl<S: Scalar> Navigation<S> {
             heading_sd: S::zero(),
             length_jumps: state.payout.jumps,
             air_force: World(V3::zeros()),
+            drift: state.drift.velocity,
+            outside: World(attitude.attitude.0 * state.beside_thrust),
             restarts: 0,
             tether_is_gone: false,
             aids: AidReport::default(),
@@ -315,6 +365,14 @@ impl<S: Scalar> Navigation<S> {
 }
 
 impl<S: Scalar> NavigationState<S> {
+    /// The winch is asked for a tension, N. While nothing is felt, what acts beside the thrust follows it.
+    fn ask(&mut self, tension: S) {
+        let before = core::mem::replace(&mut self.asked_tension, tension);
+        if self.is_numb && before > S::lit(0.1) {
+            self.beside_thrust *= (tension / before).min(S::lit(1.1));
+        }
+    }
+
     fn count_heading(&mut self, sensors: &Sensors<S>) {
         if let Some(sd) = self.position.seen() {
             self.heading.see(sd);
@@ -349,6 +407,11 @@ impl<S: Scalar> NavigationState<S> {
         alignment::turn(attitude, crate::math::wrap_pi(heading - yaw));
         self.position.turn(crate::math::wrap_pi(heading - flown));
         self.heading.see(S::lit(TOLD_SD));
+    }
+
+    /// A velocity that is believed, once a step of the outer loop, m/s.
+    pub fn follow(&mut self, velocity: &World<V3<S>>) {
+        self.drift.follow(velocity, S::lit(OUTER_DT));
     }
 
     /// Forgets level and bias, so that they are taken again.

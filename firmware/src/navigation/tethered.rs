@@ -52,6 +52,7 @@ pub(super) struct TetheredInput<'a, S: Scalar> {
     pub altitude: Option<Height<S>>,
     pub length: Option<Sample<S>>,
     /// For the full-state filter.
+    pub accel_is_believed: bool,
     pub line: &'a LineSensors<S>,
     pub place: Option<Sample<Capture<S>>>,
     pub velocity: Option<Sample<Body<V3<S>>>>,
@@ -143,6 +144,7 @@ impl<S: Scalar> Tethered<S> {
             length: payout.map(|length| length.value).or_else(fixed),
         };
         if let (Some(config), Some(full)) = (&self.full, &mut state.full) {
+            full.is_numb = !z.accel_is_believed;
             let (line, place, velocity) = (z.line, z.place, z.velocity);
             config.receive(full, &Readings { altitude: z.altitude, payout, line, place, velocity });
             if full.is_touching {

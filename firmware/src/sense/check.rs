@@ -4,8 +4,11 @@ use crate::param::Params;
 use crate::signal::{ImuHealth, RawImu};
 use crate::time::{Micros, Sample};
 
-/// Samples with an axis at the end of its range in a row that count as a fault.
-const CLIPPED_SAMPLES: u16 = 50;
+/// An axis at the end of its range counts two, one within takes one off: from so many on its readings are not
+/// believed, and from so many the sensor has failed (50 in a row).
+const DOUBTFUL: u8 = 20;
+const CLIPPED: u8 = 100;
+const CLIPPED_MOST: u8 = 200;
 /// What the data registers hold until the sensor starts.
 const INVALID: i16 = i16::MIN;
 /// The rate is counted over so long, µs, and may be off by this share.
@@ -27,12 +30,18 @@ pub struct ImuCheckState {
     last: Option<Sample<RawImu>>,
     /// Newer ones are the same to the last bit.
     is_repeating: bool,
-    clipped: u16,
+    clipped_accel: u8,
+    clipped_gyro: u8,
     /// Begin of the window, and new samples in it.
     window: Option<Micros>,
     counted: u32,
     /// Of the last full window.
     is_irregular: bool,
+}
+
+fn score(before: u8, counts: [i16; 3]) -> u8 {
+    let clips = counts.into_iter().any(is_at_end);
+    if clips { (before + 2).min(CLIPPED_MOST) } else { before.saturating_sub(1) }
 }
 
 fn is_at_end(count: i16) -> bool {
@@ -81,8 +90,8 @@ impl ImuCheck {
             kept(&mut believed.value.accel, last.value.accel);
             kept(&mut believed.value.gyro, last.value.gyro);
         }
-        let clips = counts().any(|&n| is_at_end(n));
-        state.clipped = if clips { state.clipped.saturating_add(1) } else { 0 };
+        state.clipped_accel = score(state.clipped_accel, raw.accel);
+        state.clipped_gyro = score(state.clipped_gyro, raw.gyro);
         state.counted += 1;
         state.last = Some(believed);
         Some(believed)
@@ -102,12 +111,19 @@ impl ImuCheck {
         state.last.is_some_and(|last| now.since(last.at) <= self.timeout_us)
     }
 
+    /// Whether the accelerometer says how the vehicle is accelerated.
+    pub fn believes_accel(&self, state: &ImuCheckState) -> bool {
+        state.clipped_accel < DOUBTFUL
+    }
+
     pub fn health(&self, state: &ImuCheckState, now: Micros) -> ImuHealth {
         match state.last {
             None => ImuHealth::Missing,
             Some(_) if !self.holds(state, now) && state.is_repeating => ImuHealth::Frozen,
             Some(_) if !self.holds(state, now) => ImuHealth::Stale,
-            Some(_) if state.clipped >= CLIPPED_SAMPLES => ImuHealth::OutOfRange,
+            Some(_) if state.clipped_accel.max(state.clipped_gyro) >= CLIPPED => {
+                ImuHealth::OutOfRange
+            }
             Some(_) if state.is_irregular => ImuHealth::Irregular,
             Some(_) => ImuHealth::Good,
         }

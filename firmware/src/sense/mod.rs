@@ -195,6 +195,7 @@ impl<S: Scalar> Sense<S> {
             }),
             battery,
             imu_is_held,
+            accel_is_believed: self.check.believes_accel(&state.check),
             imu_health: self.check.health(&state.check, now),
             altitude_is_fresh: self.altimeter.is_fresh(&state.altimeter, now),
             altitude_is_ranged: self.altimeter.is_ranged(&state.altimeter, now),

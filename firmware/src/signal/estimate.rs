@@ -63,6 +63,8 @@ pub struct Estimate<S: Scalar = f32> {
     pub height: S,
     /// Climb rate, m/s, up.
     pub climb: S,
+    /// The same by the altimeter alone, m/s, up.
+    pub altitude_rate: S,
     /// From the anchor, m. `None` before the filter starts and after it diverged.
     pub position: Option<World<V3<S>>>,
     /// m/s; with [`Self::position`].
@@ -75,6 +77,10 @@ pub struct Estimate<S: Scalar = f32> {
     pub heading_sd: S,
     /// Force of the air over mass, m/s²; zero where nobody estimates it.
     pub air_force: World<V3<S>>,
+    /// Level velocity by inertia alone where no position is believed, m/s.
+    pub drift: World<V3<S>>,
+    /// Specific force of all that acts beside the thrust, of the last second, m/s².
+    pub outside: World<V3<S>>,
     /// The line that should hold the vehicle does not.
     pub tether_is_gone: bool,
     /// Sensors that should help the position filter and do not.

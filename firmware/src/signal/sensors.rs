@@ -129,6 +129,8 @@ pub struct Sensors<S: Scalar = f32> {
     pub battery: Option<Battery<S>>,
     /// State of the inertial sensor.
     pub imu_health: ImuHealth,
+    /// The accelerometer says how the vehicle is accelerated: no axis sits at the end of its range.
+    pub accel_is_believed: bool,
     /// No new reading came: the inertial values are the last ones.
     pub imu_is_held: bool,
     /// Whether an altitude arrived within its time-out.

@@ -70,6 +70,8 @@ pub struct TouchDownInput<S> {
     pub height: Option<S>,
     /// Climb rate, m/s.
     pub climb: S,
+    /// The same by the altimeter alone; `None` without.
+    pub altitude_rate: Option<S>,
     /// Total thrust by the model, N.
     pub thrust: S,
     /// Size of the specific force, its vector low-passed, m/s²; `None` while the accelerometer is not believed.
@@ -139,7 +141,8 @@ impl<S: Scalar> TouchDown<S> {
                 let less = lift_then - lift;
                 less > g * S::lit(ASKED) && felt_then - felt > less * S::lit(FALLING)
             });
-        let is_still = z.climb.abs() < S::lit(0.15);
+        let is_steady = z.altitude_rate.is_some_and(|rate| rate.abs() < S::lit(0.1));
+        let is_still = z.climb.abs() < S::lit(0.15) || is_steady;
         let is_quiet = z.turning < S::lit(0.1);
 
         let low = z.wants_down && is_still && below(0.15) == Some(true);
@@ -210,6 +213,7 @@ mod tests {
                 wants_down: true,
                 height: if is_down { scene.height } else { scene.height.map(|h| h + 0.3) },
                 climb: if is_sinking { -0.4 } else { scene.climb },
+                altitude_rate: scene.height.map(|_| if is_sinking { -0.4 } else { scene.climb }),
                 thrust: lift * 1.5 * G,
                 felt: scene.accel.map(|bias| felt + bias),
                 turning: scene.turning,

@@ -15,6 +15,10 @@ use crate::time::Micros;
 /// A ground station that was silent this long is not there.
 const LINK_TIMEOUT_US: u64 = 3_000_000;
 
+/// A position filter proves itself over so long, µs, and not below this height over the ground, m: there it comes down.
+const PROOF_US: u64 = 10_000_000;
+const PROOF_HEIGHT: f64 = 2.0;
+
 impl<S: Scalar> Vehicle<S> {
     fn link_is_up(&self, now: Micros) -> bool {
         // No shorter than the silence that counts as loss: a simulator in a hurry stretches that one.
@@ -47,8 +51,9 @@ impl<S: Scalar> Vehicle<S> {
     }
 
     /// Whether there is a position to fly by; on the way up on a slack link there is none yet.
-    fn has_place(&self) -> bool {
-        self.situation.estimate.position.is_some() && !self.mode.climbs_slack()
+    pub(super) fn has_place(&self) -> bool {
+        let is_believed = self.state.doubt.is_none();
+        self.situation.estimate.position.is_some() && is_believed && !self.mode.climbs_slack()
     }
 
     /// As the mode sees it that flies on the link; else as the estimator does.
@@ -68,7 +73,7 @@ impl<S: Scalar> Vehicle<S> {
             mode: self.mode.mode(),
             cos_tilt: estimate.attitude.cos_tilt().to_f32(),
             imu: cx.sensors.imu_health,
-            has_diverged: estimate.has_diverged,
+            has_diverged: self.state.doubt.is_some(),
             altitude_is_fresh: cx.sensors.altitude_is_fresh,
             is_taut: self.link_is_taut(cx),
             is_gone: estimate.tether_is_gone,
@@ -80,13 +85,29 @@ impl<S: Scalar> Vehicle<S> {
         }
     }
 
+    /// A filter that has diverged is believed again after it was well for a while, and high enough to be of use.
+    fn doubt(&mut self, now: Micros) {
+        let estimate = &self.situation.estimate;
+        let over = estimate.height - self.config.touch_down.ground_height;
+        let is_low = over < S::lit(PROOF_HEIGHT);
+        let doubt = &mut self.state.doubt;
+        *doubt = match *doubt {
+            _ if estimate.has_diverged => Some(now),
+            Some(_) if is_low => Some(now),
+            Some(since) if now.since(since) < PROOF_US => Some(since),
+            _ => None,
+        };
+    }
+
     pub(super) fn supervise(&mut self, at: Moment<'_, S>, events: &mut EventQueue) {
+        self.doubt(at.now);
         let cx = self.context(at);
         let facts = self.failsafe_facts(&cx);
         let is_armable = ArmingCheck::first_failure(&self.arming_facts(&cx), false).is_none();
         self.state.is_armable = is_armable;
         if self.situation.armed_at.is_none() {
             self.state.failsafe = FailsafeState::default();
+            self.state.doubt = None;
             return;
         }
         let (action, announced) =

@@ -6,7 +6,7 @@ use crate::frames::{V3, World};
 use crate::mode::{Notice, Smoothed};
 use crate::param::Params;
 use crate::scalar::Scalar;
-use crate::signal::{Event, EventQueue, ImuHealth, PositionSource};
+use crate::signal::{Event, EventQueue, PositionSource};
 use crate::supervisor::{GroundState, TouchDownInput, TouchDownState};
 use crate::time::OUTER_DT;
 
@@ -27,6 +27,7 @@ impl<S: Scalar> Vehicle<S> {
             return;
         }
         self.move_tension();
+        self.situation.has_place = self.has_place();
         let cx = context!(self, at);
         match self.mode.step(&cx) {
             Ok(setpoints) => {
@@ -70,7 +71,11 @@ impl<S: Scalar> Vehicle<S> {
     }
 
     fn smooth(&mut self) {
+        let is_doubtful = self.state.doubt.is_some();
         let situation = &mut self.situation;
+        if let Some(velocity) = situation.estimate.velocity.filter(|_| !is_doubtful) {
+            situation.navigation.follow(&velocity);
+        }
         let estimate = &situation.estimate;
         let (Some(position), Some(velocity)) = (estimate.position, estimate.velocity) else {
             situation.smoothed = None;
@@ -97,13 +102,13 @@ impl<S: Scalar> Vehicle<S> {
             return;
         }
         let wants_down = setpoints.wants_down;
-        let has_accelerometer = at.sensors.imu_health == ImuHealth::Good;
         let input = TouchDownInput {
             wants_down,
             height: at.sensors.altitude_is_fresh.then_some(estimate.height),
             climb: estimate.climb,
+            altitude_rate: at.sensors.altitude_is_fresh.then_some(estimate.altitude_rate),
             thrust: estimate.thrust,
-            felt: has_accelerometer.then(|| state.felt.force()),
+            felt: at.sensors.accel_is_believed.then(|| state.felt.force()),
             turning: state.felt.turning(&estimate.gyro_bias),
             left: state.contact_ramp,
         };

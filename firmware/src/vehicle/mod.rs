@@ -76,6 +76,8 @@ struct State<S: Scalar> {
     /// Since the estimators moved on.
     phase: OuterPhase,
     landed_at: Option<Micros>,
+    /// Since when the position filter is well again that had diverged: it must prove itself.
+    doubt: Option<Micros>,
     /// No inertial reading since a while.
     is_blind: bool,
     told: Told,
@@ -159,6 +161,7 @@ impl<S: Scalar> Vehicle<S> {
             sticks: None,
             armed_at: None,
             mixer: MixerReport::default(),
+            has_place: false,
             setpoints: Setpoints {
                 attitude: AttitudeCommand::idle(),
                 reference: None,
@@ -175,6 +178,7 @@ impl<S: Scalar> Vehicle<S> {
             is_armable: false,
             phase: OuterPhase::Idle,
             landed_at: None,
+            doubt: None,
             is_blind: false,
             told: Told::default(),
             failsafe: FailsafeState::default(),

@@ -114,6 +114,8 @@ pub(super) struct FullFlightState<S: Scalar> {
     load: Load<S>,
     /// Of the accelerometer, behind the low-pass.
     reading: V3<S>,
+    /// It is not believed.
+    pub is_numb: bool,
     /// Counts steps, for rows that do not come at each.
     tick: u8,
     /// A part of the step was refused.
@@ -261,6 +263,7 @@ impl<S: Scalar> FullFlight<S> {
             heat: S::zero(),
             load: Load { thrust: S::zero(), is_taut: line.slackness.is_taut, length_out },
             reading: V3::zeros(),
+            is_numb: false,
             tick: 0,
             has_failed: false,
         }
@@ -326,6 +329,9 @@ impl<S: Scalar> FullFlight<S> {
             Err(_) => flying.has_failed = true,
         }
         let is_near = flying.load.length_out < S::lit(NEAR);
+        if flying.is_numb {
+            return;
+        }
         if is_near || flying.tick.is_multiple_of(2) {
             let state = &mut flying.state;
             match self.filter.accelerometer(state, &flying.reading, &flying.load) {
