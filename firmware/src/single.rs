@@ -122,7 +122,7 @@ single! {
     Battery { voltage, current, drawn, cell, remaining }
     Sensors {
         imu, altitude, tether_length, capture, velocity, rod, line, battery;
-        imu_health, imu_is_held, accel_is_believed, altitude_is_fresh, altitude_is_ranged, tether_is_fresh, imu_temperature
+        imu_health, imu_is_held, accel_is_believed, altitude_is_fresh, altitude_is_ranged, altimeters, tether_is_fresh, imu_temperature
     }
     LineSensors { direction, tension, station_tension, station_direction, magnetic, second_imu }
     TetherState { elevation, azimuth, length, tension; is_taut }

@@ -100,6 +100,8 @@ pub struct NavigationState<S: Scalar> {
     /// Specific force beside the thrust's, low-passed, body axes, m/s².
     beside_thrust: V3<S>,
     drift: Drift<S>,
+    /// By the accelerometer, m/s².
+    accel_up: S,
     /// What the altimeter alone says.
     steady: VerticalState<S>,
     /// Asked of the winch in the last step, N.
@@ -153,6 +155,7 @@ impl<S: Scalar> Navigation<S> {
             average: Imu { gyro: Body(V3::zeros()), accel: Body(V3::zeros()) },
             beside_thrust: V3::zeros(),
             drift: Drift::default(),
+            accel_up: S::zero(),
             steady: VerticalState::default(),
             asked_tension: S::zero(),
             is_numb: false,
@@ -256,6 +259,7 @@ impl<S: Scalar> Navigation<S> {
         let force = sit.attitude.to_world(imu.accel);
         let accel_up = -(force.0.z + S::lit(GRAVITY));
         state.drift.step(&force, dt);
+        state.accel_up = accel_up;
         self.vertical.predict(&mut state.vertical, accel_up, dt, sensors.altitude_is_fresh);
         self.position.predict(&mut state.position, &force);
         match phase {
@@ -407,6 +411,12 @@ impl<S: Scalar> NavigationState<S> {
         alignment::turn(attitude, crate::math::wrap_pi(heading - yaw));
         self.position.turn(crate::math::wrap_pi(heading - flown));
         self.heading.see(S::lit(TOLD_SD));
+    }
+
+    /// Upward acceleration by the accelerometer, m/s².
+    #[must_use]
+    pub fn accel_up(&self) -> S {
+        self.accel_up
     }
 
     /// A velocity that is believed, once a step of the outer loop, m/s.

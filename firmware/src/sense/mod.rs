@@ -19,7 +19,8 @@ use crate::signal::{
     Capture, Imu, ImuHealth, RawBarometer, RawBattery, RawCapture, RawImu, RawLineSensors,
     RawRange, RawTether, Sensors, take,
 };
-use crate::time::{Micros, Sample};
+use crate::time::{INNER_DT, Micros, Sample};
+pub use altimeter::Motion;
 use altimeter::{Altimeter, AltimeterState};
 use battery::{BatteryMonitor, BatteryState};
 use calibrate::Calibration;
@@ -153,13 +154,13 @@ impl<S: Scalar> Sense<S> {
         &self.accel_filter
     }
 
-    /// One step. `cos_tilt` of the last attitude projects the rangefinder.
+    /// One step; `motion`: of the last attitude, for the altimeters.
     pub fn step(
         &self,
         state: &mut SenseState<S>,
         now: Micros,
         raw: &RawSensors,
-        cos_tilt: S,
+        motion: &Motion<S>,
     ) -> Sensors<S> {
         let fresh = self.check.step(&mut state.check, now, raw.imu.as_ref());
         let imu_is_held = fresh.is_none();
@@ -172,7 +173,7 @@ impl<S: Scalar> Sense<S> {
         // Who integrates goes on with the last reading: each step is a millisecond, whatever arrived in it.
         let holds = self.check.holds(&state.check, now);
         let imu = state.inertial.filter(|_| holds).map(|value| Sample { at: now, value });
-        let altitude = self.altimeter.step(&mut state.altimeter, raw, cos_tilt);
+        let altitude = self.altimeter.step(&mut state.altimeter, raw, motion, S::lit(INNER_DT));
         let tether_length = raw.tether.filter(|sample| sample.value.length_mm >= 0).map(|sample| {
             state.tether_at = Some(sample.at);
             Sample { at: sample.at, value: S::from_f32(sample.value.length_mm as f32 * 1e-3) }
@@ -199,6 +200,7 @@ impl<S: Scalar> Sense<S> {
             imu_health: self.check.health(&state.check, now),
             altitude_is_fresh: self.altimeter.is_fresh(&state.altimeter, now),
             altitude_is_ranged: self.altimeter.is_ranged(&state.altimeter, now),
+            altimeters: self.altimeter.report(&state.altimeter),
             tether_is_fresh: state.tether_at.is_some_and(|at| now.since(at) < TETHER_TIMEOUT_US),
             imu_temperature: state.temperature,
         }

@@ -93,6 +93,15 @@ pub enum ImuHealth {
     Irregular,
 }
 
+/// Which altimeter the other one and inertia contradict.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct AltimeterReport {
+    /// The rangefinder is not used.
+    pub range_is_rejected: bool,
+    /// The barometer is not used.
+    pub baro_is_rejected: bool,
+}
+
 /// Battery in SI units.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Battery<S> {
@@ -137,6 +146,8 @@ pub struct Sensors<S: Scalar = f32> {
     pub altitude_is_fresh: bool,
     /// Whether the altitude comes from the rangefinder (else from the barometer).
     pub altitude_is_ranged: bool,
+    /// Which altimeter is not believed.
+    pub altimeters: AltimeterReport,
     /// Whether a tether length arrived within its time-out.
     pub tether_is_fresh: bool,
     /// Die temperature of the inertial sensor, °C.

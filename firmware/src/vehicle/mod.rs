@@ -33,10 +33,10 @@ use crate::mode::{ActiveMode, Context, Handover, Setpoints, Situation};
 use crate::navigation::{Intent, Phase, Stage};
 use crate::param::Params;
 use crate::scalar::Scalar;
-use crate::sense::{ImuScale, SenseState};
+use crate::sense::{ImuScale, Motion, SenseState};
 use crate::signal::{
-    Actuation, Event, EventQueue, MixerReport, Reply, Request, Sensors, Ticket, WinchCommand,
-    Wrench,
+    Actuation, AltimeterReport, Event, EventQueue, MixerReport, Reply, Request, Sensors, Ticket,
+    WinchCommand, Wrench,
 };
 use crate::supervisor::{FailsafeState, GroundState, TouchDownState};
 use crate::time::{INNER_DT, Micros};
@@ -81,6 +81,8 @@ struct State<S: Scalar> {
     /// No inertial reading since a while.
     is_blind: bool,
     told: Told,
+    /// Which altimeter is not believed.
+    altimeters: AltimeterReport,
     failsafe: FailsafeState,
     touch_down: TouchDownState<S>,
     /// 1 in flight, runs down to 0 on ground contact.
@@ -181,6 +183,7 @@ impl<S: Scalar> Vehicle<S> {
             doubt: None,
             is_blind: false,
             told: Told::default(),
+            altimeters: AltimeterReport::default(),
             failsafe: FailsafeState::default(),
             touch_down: TouchDownState::default(),
             contact_ramp: S::one(),
@@ -239,9 +242,14 @@ impl<S: Scalar> Vehicle<S> {
     pub fn step(&mut self, input: &StepInput) -> &StepOutput {
         let mut events = EventQueue::default();
         self.receive(input);
-        let cos_tilt = self.situation.estimate.attitude.cos_tilt();
+        let motion = Motion {
+            cos_tilt: self.situation.estimate.attitude.cos_tilt(),
+            accel_up: self.situation.navigation.accel_up(),
+            rests: self.situation.setpoints.ground == GroundState::OnGround,
+        };
         let sensors =
-            self.config.sense.step(&mut self.state.sense, input.now, &input.sensors, cos_tilt);
+            self.config.sense.step(&mut self.state.sense, input.now, &input.sensors, &motion);
+        self.state.altimeters = sensors.altimeters;
         let phase = core::mem::take(&mut self.state.phase);
         let is_full = phase == OuterPhase::Feel && self.situation.navigation.is_full();
         let at = Moment { now: input.now, sensors: &sensors, is_full };

@@ -2,7 +2,7 @@
 
 use super::Vehicle;
 use crate::scalar::Scalar;
-use crate::signal::{AidReport, Event, EventQueue};
+use crate::signal::{AidReport, AltimeterReport, Event, EventQueue};
 
 /// Standard deviations of the heading, rad, that are told, and how: 5 degrees, so that 15 are hardly ever passed unknown.
 const UNSURE: [(f64, &str); 2] = [
@@ -10,12 +10,16 @@ const UNSURE: [(f64, &str); 2] = [
     (0.26, "Heading lost: land, or say where the nose points"),
 ];
 
+const RANGE_REJECTED: &str = "Rangefinder contradicts: flying by barometer";
+const BARO_REJECTED: &str = "Barometer contradicts: not used";
+
 /// What was told.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Told {
     restarts: u16,
     length_jumps: u16,
     aids: AidReport,
+    altimeters: AltimeterReport,
     /// Of [`UNSURE`].
     heading: usize,
 }
@@ -31,6 +35,15 @@ impl<S: Scalar> Vehicle<S> {
             events.push(Event::warning("Line length jumped: taken out"));
         }
         told.length_jumps = estimate.length_jumps;
+        let altimeters = self.state.altimeters;
+        let news = [
+            (altimeters.range_is_rejected, told.altimeters.range_is_rejected, RANGE_REJECTED),
+            (altimeters.baro_is_rejected, told.altimeters.baro_is_rejected, BARO_REJECTED),
+        ];
+        for (_, _, text) in news.into_iter().filter(|(now, before, _)| *now && !before) {
+            events.push(Event::warning(text));
+        }
+        told.altimeters = altimeters;
         let aids = estimate.aids;
         for aid in aids.rejected.without(told.aids.rejected).iter() {
             events.push(Event::warning(aid.contradiction()));
