@@ -14,8 +14,11 @@ use crate::time::OUTER_DT;
 
 /// Below this height over the ground it sinks at the landing speed, m.
 const SLOW_BELOW: f64 = 1.0;
-/// Tangent of the largest lean.
+/// Tangent of the largest lean, and while the position is not believed: what the attitude is off by then pushes too.
 const LEAN: f64 = 0.5;
+const LEAN_BLIND: f64 = 0.25;
+/// Of what is felt beside the thrust, that is leant against then: rather towards the anchor than away.
+const SHARE_BLIND: f64 = 0.8;
 /// 1/s, and 1/s² to hold the place.
 const BRAKE: f64 = 1.4;
 const HOLD: f64 = 0.5;
@@ -100,9 +103,11 @@ pub(super) fn fly_level<S: Scalar>(
     let estimate = &cx.situation.estimate;
     let up = cx.config.climb.step(&mut handover.climb, climb, estimate.climb, S::lit(OUTER_DT));
     let mass = cx.config.constants.mass;
-    let side =
-        (way * S::lit(HOLD) - estimate.drift.0 * S::lit(BRAKE) - outside(tension, cx)) * mass;
-    let force = leaning(up, &side, S::lit(LEAN));
+    let has_place = cx.situation.has_place;
+    let (lean, share) = if has_place { (LEAN, 1.0) } else { (LEAN_BLIND, SHARE_BLIND) };
+    let pulls = outside(tension, cx) * S::lit(share);
+    let side = (way * S::lit(HOLD) - estimate.drift.0 * S::lit(BRAKE) - pulls) * mass;
+    let force = leaning(up, &side, S::lit(lean));
     let mut attitude = cx.thrust(force, handover.heading);
     attitude.thrust = up / estimate.attitude.cos_tilt().max(S::lit(COS_TILT_MIN));
     Setpoints { attitude, ..unchanged }

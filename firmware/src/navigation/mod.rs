@@ -13,6 +13,7 @@ mod heading;
 mod lift_off;
 mod payout;
 mod position;
+mod shake;
 mod slackness;
 mod tethered;
 
@@ -36,6 +37,7 @@ use heading::HeadingDrift;
 use lift_off::{LiftOff, LiftOffState};
 use payout::PayoutState;
 use position::{PositionFilter, PositionFilterState};
+use shake::Shake;
 use tethered::{StageInput, TetheredInput};
 
 /// Over this height the feet can't touch, m.
@@ -57,6 +59,8 @@ pub enum Phase {
     Touching,
 }
 
+/// Share of a step of the specific force that tells the vertical: an eighth of a second.
+const SLOW_SHARE: f64 = 0.03;
 /// Share of a step of what acts beside the thrust: a second.
 const BESIDE_SHARE: f64 = 0.004;
 
@@ -100,6 +104,11 @@ pub struct NavigationState<S: Scalar> {
     /// Specific force beside the thrust's, low-passed, body axes, m/s².
     beside_thrust: V3<S>,
     drift: Drift<S>,
+    shake: Shake<S>,
+    /// Specific force, world axes, low-passed, m/s².
+    slow_force: Option<V3<S>>,
+    /// The position filter has diverged and not proven itself since: its attitude is not flown by.
+    is_doubted: bool,
     /// By the accelerometer, m/s².
     accel_up: S,
     /// What the altimeter alone says.
@@ -155,6 +164,9 @@ impl<S: Scalar> Navigation<S> {
             average: Imu { gyro: Body(V3::zeros()), accel: Body(V3::zeros()) },
             beside_thrust: V3::zeros(),
             drift: Drift::default(),
+            shake: Shake::default(),
+            slow_force: None,
+            is_doubted: false,
             accel_up: S::zero(),
             steady: VerticalState::default(),
             asked_tension: S::zero(),
@@ -231,6 +243,7 @@ impl<S: Scalar> Navigation<S> {
         let Some(sit) = &mut state.alignment.attitude else {
             return;
         };
+        state.shake.step(&state.average.accel.0);
         // What the thrust does, and what else acted when that was last felt.
         let thrust = V3::new(S::zero(), S::zero(), -state.last_thrust * self.per_mass);
         state.is_numb = !sensors.accel_is_believed;
@@ -246,10 +259,14 @@ impl<S: Scalar> Navigation<S> {
             Phase::Powered if self.lift_off.is_light(state.last_thrust) => Stance::Light,
             _ => Stance::Standing,
         };
-        // An accelerometer that is not believed says nothing of the attitude: as if it felt the weight alone.
+        // Its direction is what counts: what shakes two axes at once would lean it, so it is averaged before. One that
+        // is not believed says nothing of the attitude, as if it felt the weight alone.
         let rest = World(V3::new(S::zero(), S::zero(), -S::lit(GRAVITY)));
-        let believed = sensors.accel_is_believed;
-        let upright = if believed { imu.accel } else { sit.attitude.to_body(rest) };
+        let felt = sit.attitude.to_world(imu.accel);
+        let slow = state.slow_force.get_or_insert(felt.0);
+        *slow += (felt.0 - *slow) * S::lit(SLOW_SHARE);
+        let upward = if sensors.accel_is_believed { World(*slow) } else { rest };
+        let upright = sit.attitude.to_body(upward);
         self.alignment.step(sit, &Imu { gyro: imu.gyro, accel: upright }, stance, dt);
         let field = sensors.line.magnetic.filter(|_| on_ground);
         if let Some(deviation) = self.compass.deviation(&sit.attitude, field) {
@@ -299,6 +316,7 @@ impl<S: Scalar> Navigation<S> {
                 .map(|value| Height { value, is_ranged: sensors.altitude_is_ranged }),
             length: state.pending_length.take(),
             accel_is_believed: sensors.accel_is_believed,
+            shake: state.shake.variance,
             line: &sensors.line,
             place: state.pending_place.take(),
             velocity: state.pending_velocity.take(),
@@ -339,12 +357,17 @@ impl<S: Scalar> Navigation<S> {
     pub fn estimate(&self, state: &NavigationState<S>) -> Estimate<S> {
         let attitude = self.alignment.attitude(&state.alignment);
         let placeless = Estimate {
-            attitude: state.position.attitude().unwrap_or(attitude.attitude),
+            attitude: state
+                .position
+                .attitude()
+                .filter(|_| !state.is_doubted)
+                .unwrap_or(attitude.attitude),
             rate: Body(state.rate),
             gyro_bias: attitude.gyro_bias,
             height: state.vertical.height,
             climb: state.vertical.climb,
             altitude_rate: state.steady.climb,
+            vibration: state.shake.variance.sqrt(),
             position: None,
             velocity: None,
             tether: None,
@@ -417,6 +440,11 @@ impl<S: Scalar> NavigationState<S> {
     #[must_use]
     pub fn accel_up(&self) -> S {
         self.accel_up
+    }
+
+    /// Whether the position filter has diverged and must prove itself.
+    pub fn doubt(&mut self, is_doubted: bool) {
+        self.is_doubted = is_doubted;
     }
 
     /// A velocity that is believed, once a step of the outer loop, m/s.

@@ -17,6 +17,9 @@ use crate::scalar::Scalar;
 use crate::signal::{Capture, Imu, LineSensors, PositionSource};
 use crate::time::{OUTER_DT, Sample};
 
+/// Of the variance of what shakes the accelerometer, that passes the full-state filter's low-pass.
+const SHAKE_SHARE: f64 = 1.0;
+
 /// Configuration.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Tethered<S: Scalar> {
@@ -53,6 +56,8 @@ pub(super) struct TetheredInput<'a, S: Scalar> {
     pub length: Option<Sample<S>>,
     /// For the full-state filter.
     pub accel_is_believed: bool,
+    /// Variance of what shakes the accelerometer, m²/s⁴.
+    pub shake: S,
     pub line: &'a LineSensors<S>,
     pub place: Option<Sample<Capture<S>>>,
     pub velocity: Option<Sample<Body<V3<S>>>>,
@@ -144,7 +149,7 @@ impl<S: Scalar> Tethered<S> {
             length: payout.map(|length| length.value).or_else(fixed),
         };
         if let (Some(config), Some(full)) = (&self.full, &mut state.full) {
-            full.is_numb = !z.accel_is_believed;
+            (full.is_numb, full.shake) = (!z.accel_is_believed, z.shake * S::lit(SHAKE_SHARE));
             let (line, place, velocity) = (z.line, z.place, z.velocity);
             config.receive(full, &Readings { altitude: z.altitude, payout, line, place, velocity });
             if full.is_touching {

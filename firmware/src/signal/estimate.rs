@@ -65,6 +65,8 @@ pub struct Estimate<S: Scalar = f32> {
     pub climb: S,
     /// The same by the altimeter alone, m/s, up.
     pub altitude_rate: S,
+    /// What shakes the accelerometer behind its filters, rms of each axis, m/s².
+    pub vibration: S,
     /// From the anchor, m. `None` before the filter starts and after it diverged.
     pub position: Option<World<V3<S>>>,
     /// m/s; with [`Self::position`].

@@ -56,6 +56,7 @@ pub struct TouchDownState<S> {
     low: S,
     held: S,
     idle: S,
+    tipped: S,
     carried: S,
     lying: S,
     falling: S,
@@ -78,6 +79,8 @@ pub struct TouchDownInput<S> {
     pub felt: Option<S>,
     /// Size of the body rate, low-passed, rad/s.
     pub turning: S,
+    /// Of the tilt.
+    pub cos_tilt: S,
     /// Of the thrust, that the contact ramp has left.
     pub left: S,
 }
@@ -86,6 +89,9 @@ pub struct TouchDownInput<S> {
 const LOW_TIME: f64 = 0.2;
 const HELD_TIME: f64 = 0.2;
 const IDLE_TIME: f64 = 20.0;
+/// Cosine of 37 degrees, and so long, s.
+const TIPPED: f64 = 0.8;
+const TIPPED_TIME: f64 = 1.0;
 /// Landed: while the altimeter agrees, while it does not, and without an accelerometer, s.
 const CARRIED_TIME: f64 = 0.4;
 const CARRIED_ALONE_TIME: f64 = 1.0;
@@ -148,9 +154,12 @@ impl<S: Scalar> TouchDown<S> {
         let low = z.wants_down && is_still && below(0.15) == Some(true);
         let held = z.wants_down && is_held;
         let idle = z.wants_down && is_still && is_quiet;
+        // Nothing hangs still in the air so far from level.
+        let tipped = idle && z.cos_tilt < S::lit(TIPPED);
         let touches = lasts(&mut state.low, low, LOW_TIME)
             | lasts(&mut state.held, held, HELD_TIME)
-            | lasts(&mut state.idle, idle, IDLE_TIME);
+            | lasts(&mut state.idle, idle, IDLE_TIME)
+            | lasts(&mut state.tipped, tipped, TIPPED_TIME);
 
         let falls = lasts(&mut state.falling, is_falling, FALLING_TIME);
         if falls {
@@ -217,6 +226,7 @@ mod tests {
                 thrust: lift * 1.5 * G,
                 felt: scene.accel.map(|bias| felt + bias),
                 turning: scene.turning,
+                cos_tilt: 1.0,
                 left,
             };
             let contact = detector.step(&mut state, &z, 0.004);

@@ -97,6 +97,8 @@ impl<S: Scalar> Vehicle<S> {
             Some(since) if now.since(since) < PROOF_US => Some(since),
             _ => None,
         };
+        let is_doubted = doubt.is_some();
+        self.situation.navigation.doubt(is_doubted);
     }
 
     pub(super) fn supervise(&mut self, at: Moment<'_, S>, events: &mut EventQueue) {

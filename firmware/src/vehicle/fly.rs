@@ -110,6 +110,7 @@ impl<S: Scalar> Vehicle<S> {
             thrust: estimate.thrust,
             felt: at.sensors.accel_is_believed.then(|| state.felt.force()),
             turning: state.felt.turning(&estimate.gyro_bias),
+            cos_tilt: estimate.attitude.cos_tilt(),
             left: state.contact_ramp,
         };
         let dt = S::lit(OUTER_DT);

@@ -110,9 +110,24 @@ impl<S: Scalar> FullStateFilter<S> {
         reading: &V3<S>,
         load: &Load<S>,
     ) -> Result<S, Fault> {
+        self.shaken_accelerometer(state, reading, load, S::zero())
+    }
+
+    /// The same while it shakes: its noise has at least this variance, m²/s⁴.
+    ///
+    /// # Errors
+    /// As [`Self::accelerometer`].
+    pub fn shaken_accelerometer(
+        &self,
+        state: &mut FullState<S>,
+        reading: &V3<S>,
+        load: &Load<S>,
+        variance: S,
+    ) -> Result<S, Fault> {
         let (rows, expected) = self.accel_rows(state, load);
         let [nu] = (reading - expected).data.0;
-        self.update(state, &rows, nu.map(Some), self.accel_variance, Outlier::Clamped)
+        let variance = variance.max(self.accel_variance);
+        self.update(state, &rows, nu.map(Some), variance, Outlier::Clamped)
     }
 
     /// Height over the anchor, m.

@@ -57,6 +57,8 @@ const RESTART_VELOCITY_SD: f64 = 0.5;
 const RESTART_TENSION: f64 = 1.0;
 /// The gyro may be why, rad/s.
 const RESTART_BIAS_SD: f64 = 0.01;
+/// So many times the accelerometer's own variance no push can be told from it.
+const SHAKEN: f64 = 3.0;
 /// A restart counts for so long, s, and so many at once mean that nothing helps.
 const HEAT_TIME: f64 = 10.0;
 const HEAT_MAX: f64 = 2.0;
@@ -116,6 +118,8 @@ pub(super) struct FullFlightState<S: Scalar> {
     reading: V3<S>,
     /// It is not believed.
     pub is_numb: bool,
+    /// Variance of what shakes it behind the low-pass, m²/s⁴.
+    pub shake: S,
     /// Counts steps, for rows that do not come at each.
     tick: u8,
     /// A part of the step was refused.
@@ -264,6 +268,7 @@ impl<S: Scalar> FullFlight<S> {
             load: Load { thrust: S::zero(), is_taut: line.slackness.is_taut, length_out },
             reading: V3::zeros(),
             is_numb: false,
+            shake: S::zero(),
             tick: 0,
             has_failed: false,
         }
@@ -334,10 +339,17 @@ impl<S: Scalar> FullFlight<S> {
         }
         if is_near || flying.tick.is_multiple_of(2) {
             let state = &mut flying.state;
-            match self.filter.accelerometer(state, &flying.reading, &flying.load) {
+            match self.filter.shaken_accelerometer(
+                state,
+                &flying.reading,
+                &flying.load,
+                flying.shake,
+            ) {
                 Ok(nis) => {
                     flying.health.feel(nis);
-                    for _ in 0..2 {
+                    // What shakes comes in runs, as a push does.
+                    let is_shaken = flying.shake > self.filter.accel_variance * S::lit(SHAKEN);
+                    for _ in 0..if is_shaken { 0 } else { 2 } {
                         self.filter.boost(state, &mut flying.push, nis);
                     }
                 }
