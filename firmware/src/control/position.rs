@@ -11,6 +11,9 @@ use crate::model::Line;
 use crate::param::Params;
 use crate::scalar::Scalar;
 
+/// Largest integral along the line of a winch, over the one across: it may have to carry a fifth of the weight.
+const RADIAL_SHARE: f64 = 2.0;
+
 /// Gains and limits.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PositionLoop<S> {
@@ -160,13 +163,19 @@ impl<S: Scalar> PositionLoop<S> {
         let tangential = velocity - u * radial_speed;
         let speed_error = so3::reject(&z.reference_velocity.0, &u) - tangential;
         let mut integral = state.integral.0;
+        // A winch leaves the length free: what is steadily off along the line, a payload or weak rotors, is integrated
+        // as across it. A fixed length is not the loop's to change.
+        let is_winch = z.radial_control == RadialControl::Winch;
+        let along = if is_winch { u * (z.length - length) } else { V3::zeros() };
         if !z.hold_integral {
-            integral += state.rest.take(error * (self.ki * dt * S::lit(FINE)));
+            integral += state.rest.take((error + along) * (self.ki * dt * S::lit(FINE)));
         }
-        integral = so3::limit_norm(so3::reject(&integral, &u), self.integral_max);
-        state.integral = World(integral);
+        let outward = if is_winch { so3::dot(&integral, &u) } else { S::zero() };
+        let outward = outward.limit_abs(self.integral_max * S::lit(RADIAL_SHARE));
+        let across = so3::limit_norm(so3::reject(&integral, &u), self.integral_max);
+        state.integral = World(across + u * outward);
         let asked =
-            so3::limit_norm(error * self.kp + speed_error * self.kd + integral, self.accel_max);
+            so3::limit_norm(error * self.kp + speed_error * self.kd + across, self.accel_max);
 
         let centripetal = so3::dot(&tangential, &tangential) / length;
         let wind = z.wind.0;
@@ -186,7 +195,7 @@ impl<S: Scalar> PositionLoop<S> {
             RadialControl::Winch | RadialControl::Free => {
                 let accel = self.radial_p * (z.length - length)
                     + self.radial_d * (z.length_rate - radial_speed);
-                force += u * (z.tension + m * accel.limit_abs(self.accel_max));
+                force += u * (z.tension + m * (accel.limit_abs(self.accel_max) + outward));
             }
         }
         PositionOutput { force: World(self.limit(force)), is_guarded }

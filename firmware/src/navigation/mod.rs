@@ -375,6 +375,7 @@ impl<S: Scalar> Navigation<S> {
             heading_sd: S::zero(),
             length_jumps: state.payout.jumps,
             air_force: World(V3::zeros()),
+            thrust_scale: S::one(),
             drift: state.drift.velocity,
             outside: World(attitude.attitude.0 * state.beside_thrust),
             restarts: 0,

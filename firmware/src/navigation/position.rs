@@ -68,6 +68,8 @@ pub(super) struct Found<S: Scalar> {
     pub sd: V3<S>,
     /// Over mass, m/s².
     pub air_force: World<V3<S>>,
+    /// Real over modelled thrust.
+    pub thrust_scale: S,
     pub health: FilterHealth<S>,
     pub restarts: u16,
     pub has_diverged: bool,
@@ -86,6 +88,7 @@ impl<S: Scalar> Found<S> {
             aids: AidReport::default(),
             sd: V3::repeat(S::lit(PLACE_SD)),
             air_force: World(V3::zeros()),
+            thrust_scale: S::one(),
             health: FilterHealth::default(),
             restarts: 0,
             has_diverged: false,
@@ -240,6 +243,7 @@ impl<S: Scalar> PositionFilter<S> {
             }),
             position_sd: found.sd,
             air_force: found.air_force,
+            thrust_scale: found.thrust_scale,
             restarts: found.restarts,
             tether_is_gone: found.is_gone,
             aids: found.aids,

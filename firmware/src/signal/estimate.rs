@@ -79,6 +79,8 @@ pub struct Estimate<S: Scalar = f32> {
     pub heading_sd: S,
     /// Force of the air over mass, m/s²; zero where nobody estimates it.
     pub air_force: World<V3<S>>,
+    /// Real over modelled thrust; one where nobody estimates it.
+    pub thrust_scale: S,
     /// Level velocity by inertia alone where no position is believed, m/s.
     pub drift: World<V3<S>>,
     /// Specific force of all that acts beside the thrust, of the last second, m/s².

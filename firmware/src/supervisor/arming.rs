@@ -1,5 +1,6 @@
 //! May the motors start? Each check with what the operator reads.
 
+use crate::math::GRAVITY;
 use crate::signal::ImuHealth;
 
 /// What the checks look at.
@@ -11,6 +12,10 @@ pub struct ArmingFacts {
     pub mounting_is_known: bool,
     /// Level and gyro bias were taken.
     pub is_levelled: bool,
+    /// Size of the specific force, low-passed, m/s².
+    pub felt: f32,
+    /// Size of the gyro's bias, rad/s.
+    pub gyro_bias: f32,
     /// Cosine of the tilt.
     pub cos_tilt: f32,
     /// An altitude arrived in time.
@@ -29,6 +34,11 @@ pub struct ArmingFacts {
     pub hover_share: f32,
 }
 
+/// What a specific force at rest may be off, m/s²: calibrated parts are within a tenth of it.
+const FELT_OFF: f32 = 0.5;
+/// A part that reads more at rest is broken, or it was levelled in a turn, rad/s.
+const GYRO_BIAS_MAX: f32 = 0.17;
+
 /// One row of [`ARMING_CHECKS`].
 #[derive(Clone, Copy, Debug)]
 pub struct ArmingCheck {
@@ -43,7 +53,7 @@ pub struct ArmingCheck {
 }
 
 /// All checks, in the order in which they are reported. A table: rows look alike.
-pub const ARMING_CHECKS: [ArmingCheck; 14] = [
+pub const ARMING_CHECKS: [ArmingCheck; 16] = [
     ArmingCheck {
         name: "imu present",
         text: "Arming denied: IMU: no data",
@@ -85,6 +95,18 @@ pub const ARMING_CHECKS: [ArmingCheck; 14] = [
         text: "Arming denied: not levelled, keep it still",
         may_be_forced: false,
         passes: |f| f.is_levelled,
+    },
+    ArmingCheck {
+        name: "accelerometer",
+        text: "Arming denied: accelerometer off, calibrate it",
+        may_be_forced: false,
+        passes: |f| (f.felt - GRAVITY as f32).abs() < FELT_OFF,
+    },
+    ArmingCheck {
+        name: "gyro",
+        text: "Arming denied: gyro bias too large",
+        may_be_forced: false,
+        passes: |f| f.gyro_bias < GYRO_BIAS_MAX,
     },
     ArmingCheck {
         name: "upright",
@@ -150,6 +172,8 @@ mod tests {
             imu: ImuHealth::Good,
             mounting_is_known: true,
             is_levelled: true,
+            felt: 9.8,
+            gyro_bias: 0.01,
             cos_tilt: 1.0,
             altitude_is_fresh: true,
             tether_is_known: true,
@@ -172,6 +196,8 @@ mod tests {
             ArmingFacts { imu: ImuHealth::Irregular, ..good() },
             ArmingFacts { mounting_is_known: false, ..good() },
             ArmingFacts { is_levelled: false, ..good() },
+            ArmingFacts { felt: 10.8, ..good() },
+            ArmingFacts { gyro_bias: 0.2, ..good() },
             ArmingFacts { cos_tilt: 0.5, ..good() },
             ArmingFacts { altitude_is_fresh: false, ..good() },
             ArmingFacts { tether_is_known: false, ..good() },

@@ -1,5 +1,6 @@
 //! What fails in the air, and in which named safe state it ends. The most severe action wins.
 
+use super::line::LineFault;
 use super::mode::{Mode, Needs};
 use crate::param::Params;
 use crate::signal::ImuHealth;
@@ -43,6 +44,10 @@ pub enum Failure {
     ImuIrregular = 15,
     /// No inertial data for so long that nothing is known of the attitude.
     ImuGone = 16,
+    /// The line is held fast somewhere.
+    LineCaught = 17,
+    /// The winch pulls far more than it is asked.
+    OverTension = 18,
 }
 
 /// Where a failure ends. Ordered by severity.
@@ -97,6 +102,8 @@ pub struct FailsafeFacts {
     pub is_taut: bool,
     /// It has been missed.
     pub is_gone: bool,
+    /// What the line does against what its winch is asked.
+    pub line: LineFault,
     /// Motion capture gives a position, or none is needed.
     pub has_capture: bool,
     /// The ground end reports, or the length is fixed.
@@ -151,7 +158,7 @@ fn concerns(mode: Mode, need: impl Fn(&Needs) -> bool) -> bool {
 }
 
 /// All failures, ordered as [`Failure`].
-pub const FAILSAFES: [Failsafe; 17] = [
+pub const FAILSAFES: [Failsafe; 19] = [
     Failsafe {
         failure: Failure::ImuLost,
         text: "IMU lost: descending blind",
@@ -271,6 +278,20 @@ pub const FAILSAFES: [Failsafe; 17] = [
         is_present: |_, f| is_blind(f),
         delay: |_| BLIND_DELAY_US,
         action: |_| FailsafeAction::Terminate,
+    },
+    Failsafe {
+        failure: Failure::LineCaught,
+        text: "Line caught: it does not pay out, holding",
+        is_present: |_, f| f.line.is_caught && concerns(f.mode, |needs| needs.position),
+        delay: |_| 0,
+        action: |_| FailsafeAction::Hold,
+    },
+    Failsafe {
+        failure: Failure::OverTension,
+        text: "Line tension far too high: landing",
+        is_present: |_, f| f.line.is_pulled && concerns(f.mode, |needs| needs.position),
+        delay: |_| 0,
+        action: |_| FailsafeAction::Land,
     },
 ];
 

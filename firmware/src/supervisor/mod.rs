@@ -3,6 +3,7 @@
 mod arming;
 mod failsafe;
 mod ground;
+mod line;
 mod mode;
 
 pub use arming::{ARMING_CHECKS, ArmingCheck, ArmingFacts};
@@ -10,4 +11,5 @@ pub use failsafe::{
     FAILSAFES, Failsafe, FailsafeAction, FailsafeFacts, FailsafeState, Failsafes, Failure,
 };
 pub use ground::{GroundContact, GroundState, TouchDown, TouchDownInput, TouchDownState};
+pub use line::{LineFault, LineInput, LineWatch};
 pub use mode::{MODES, Mode, ModeRule, Needs, Rest};

@@ -2,6 +2,7 @@
 
 use super::{Moment, Vehicle, context};
 use crate::control::{PositionState, RadialControl};
+use crate::math::so3;
 use crate::mode::refusal::NOT_BUILT;
 use crate::mode::{Context, Entry, Exit, Refusal, denied, rejected};
 use crate::scalar::Scalar;
@@ -39,6 +40,8 @@ impl<S: Scalar> Vehicle<S> {
             imu: cx.sensors.imu_health,
             mounting_is_known: self.config.sense.mounting_is_known(),
             is_levelled: estimate.is_levelled,
+            felt: self.state.felt.force().to_f32(),
+            gyro_bias: so3::norm(&estimate.gyro_bias.0).to_f32(),
             cos_tilt: estimate.attitude.cos_tilt().to_f32(),
             altitude_is_fresh: cx.sensors.altitude_is_fresh,
             tether_is_known: self.tether_is_known(cx.sensors),
@@ -77,6 +80,7 @@ impl<S: Scalar> Vehicle<S> {
             altitude_is_fresh: cx.sensors.altitude_is_fresh,
             is_taut: self.link_is_taut(cx),
             is_gone: estimate.tether_is_gone,
+            line: self.state.line,
             has_capture: !self.config.constants.kind.is_free() || estimate.position.is_some(),
             tether_is_known: self.tether_is_known(cx.sensors),
             cell: cx.sensors.battery.map(|battery| battery.cell.to_f32()),

@@ -1,13 +1,14 @@
 //! The outer loop, 250 times a second: the mode's set-points, and coming to stand on the ground.
 
 use super::{Moment, Vehicle, context};
-use crate::control::{AttitudeCommand, DitherState, PositionState};
+use crate::control::{AttitudeCommand, DitherState, PositionState, RadialControl};
 use crate::frames::{V3, World};
+use crate::math::so3;
 use crate::mode::{Notice, Smoothed};
 use crate::param::Params;
 use crate::scalar::Scalar;
 use crate::signal::{Event, EventQueue, PositionSource};
-use crate::supervisor::{GroundState, TouchDownInput, TouchDownState};
+use crate::supervisor::{GroundState, LineInput, TouchDownInput, TouchDownState};
 use crate::time::OUTER_DT;
 
 /// Low-pass of the estimate before the position loop, per step.
@@ -44,6 +45,22 @@ impl<S: Scalar> Vehicle<S> {
             Err(exit) => self.leave(exit, at, events),
         }
         self.touch_down(at);
+        self.watch_line();
+    }
+
+    fn watch_line(&mut self) {
+        let (situation, state) = (&self.situation, &mut self.state);
+        let is_on_winch = self.config.constants.radial_control == RadialControl::Winch;
+        let flies = situation.setpoints.ground == GroundState::InAir;
+        let tether = situation.estimate.tether.filter(|t| t.is_taut && is_on_winch && flies);
+        let reference = situation.setpoints.reference;
+        let input = tether.zip(reference).map(|(tether, reference)| LineInput {
+            tension: tether.tension,
+            asked: state.actuation.winch.tension,
+            length: tether.length,
+            wanted: so3::norm(&reference.position.0),
+        });
+        state.line = state.line_watch.step(input.as_ref(), S::lit(OUTER_DT));
     }
 
     fn note(&mut self, notice: Notice<S>, events: &mut EventQueue) {

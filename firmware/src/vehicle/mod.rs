@@ -38,7 +38,7 @@ use crate::signal::{
     Actuation, AltimeterReport, Event, EventQueue, MixerReport, Reply, Request, Sensors, Ticket,
     WinchCommand, Wrench,
 };
-use crate::supervisor::{FailsafeState, GroundState, TouchDownState};
+use crate::supervisor::{FailsafeState, GroundState, LineFault, LineWatch, TouchDownState};
 use crate::time::{INNER_DT, Micros};
 use crate::trajectory::Plan;
 use felt::Felt;
@@ -85,6 +85,8 @@ struct State<S: Scalar> {
     altimeters: AltimeterReport,
     failsafe: FailsafeState,
     touch_down: TouchDownState<S>,
+    line_watch: LineWatch<S>,
+    line: LineFault,
     /// 1 in flight, runs down to 0 on ground contact.
     contact_ramp: S,
     link_at: Option<Micros>,
@@ -186,6 +188,8 @@ impl<S: Scalar> Vehicle<S> {
             altimeters: AltimeterReport::default(),
             failsafe: FailsafeState::default(),
             touch_down: TouchDownState::default(),
+            line_watch: LineWatch::default(),
+            line: LineFault::default(),
             contact_ramp: S::one(),
             link_at: None,
             echo: None,

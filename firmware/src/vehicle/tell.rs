@@ -3,6 +3,8 @@
 use super::Vehicle;
 use crate::scalar::Scalar;
 use crate::signal::{AidReport, AltimeterReport, Event, EventQueue};
+use crate::supervisor::GroundState;
+use crate::time::OUTER_DT;
 
 /// Standard deviations of the heading, rad, that are told, and how: 5 degrees, so that 15 are hardly ever passed unknown.
 const UNSURE: [(f64, &str); 2] = [
@@ -22,7 +24,20 @@ pub(super) struct Told {
     altimeters: AltimeterReport,
     /// Of [`UNSURE`].
     heading: usize,
+    /// How long it has been so: thrust off its model, thrust nearly gone, shaken, s.
+    lasting: [f32; 3],
 }
+
+/// What lasts and is told once: for how long, s, and how.
+const LASTING: [(f32, &str); 3] = [
+    (5.0, "Thrust or mass is not what its parameter says"),
+    (1.0, "Thrust nearly exhausted"),
+    (2.0, "High vibration: check propellers and mounting"),
+];
+/// Thrust off its model, share; of the most that the position loop asks for; vibration behind the filters, m/s².
+const SCALE_OFF: f32 = 0.08;
+const EXHAUSTED: f32 = 0.9;
+const SHAKEN: f32 = 4.0;
 
 impl<S: Scalar> Vehicle<S> {
     pub(super) fn tell(&mut self, events: &mut EventQueue) {
@@ -53,6 +68,22 @@ impl<S: Scalar> Vehicle<S> {
         }
         told.aids = aids;
         let is_armed = self.situation.armed_at.is_some();
+        let flies = is_armed && self.situation.setpoints.ground == GroundState::InAir;
+        let thrust = estimate.thrust.to_f32();
+        let holds = [
+            (estimate.thrust_scale.to_f32() - 1.0).abs() > SCALE_OFF,
+            thrust > self.config.position.thrust_max.to_f32() * EXHAUSTED,
+            estimate.vibration.to_f32() > SHAKEN,
+        ];
+        for ((lasting, holds), (time, text)) in told.lasting.iter_mut().zip(holds).zip(LASTING) {
+            let was_told = *lasting >= time;
+            // What was told is told again after it was well for as long.
+            let next = *lasting + if holds && flies { OUTER_DT as f32 } else { -OUTER_DT as f32 };
+            *lasting = next.clamp(0.0, 2.0 * time);
+            if *lasting >= time && !was_told {
+                events.push(Event::warning(text));
+            }
+        }
         let passed = UNSURE.iter().filter(|(sd, _)| estimate.heading_sd > S::lit(*sd)).count();
         let passed = if is_armed { passed } else { 0 };
         if passed > told.heading

@@ -25,6 +25,10 @@ const SPOOL_GRACE: f64 = 2.0;
 const SLIDE_DAMPING: f64 = 6.0;
 const SLIDE_LEAN: f64 = 0.3;
 
+/// From this share of the hover's thrust on the battery's drop is looked at; it is too much for so long, s.
+const SAG_FROM: f64 = 0.5;
+const SAG_TIME: f64 = 0.1;
+
 /// What moves.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Takeoff<S: Scalar> {
@@ -32,6 +36,9 @@ pub(super) struct Takeoff<S: Scalar> {
     altitude: Option<f32>,
     /// Time in the thrust ramp on the ground, s.
     spool: S,
+    /// Volts per cell at rest, and how long they would have been too low in a hover, s.
+    rested: Option<S>,
+    sagging: S,
     /// Under way; `None` once done.
     slack: Option<SlackHover<S>>,
 }
@@ -48,7 +55,13 @@ impl<S: Scalar> FlightMode<S> for Takeoff<S> {
         if cx.situation.estimate.position.is_none() {
             return Err(rejected("Take-off refused: no position estimate"));
         }
-        let takeoff = Self { altitude: entry.altitude, spool: S::zero(), slack: None };
+        let takeoff = Self {
+            altitude: entry.altitude,
+            spool: S::zero(),
+            rested: None,
+            sagging: S::zero(),
+            slack: None,
+        };
         let target =
             takeoff.target(cx).ok_or(denied("Take-off refused: altitude beyond the tether"))?;
         feasible::check(&feasible::TAKEOFF, &target.to_f32(), handover.tension.to_f32(), cx)?;
@@ -102,6 +115,8 @@ impl<S: Scalar> Takeoff<S> {
                 return Err(Exit { failure: Failure::NoLiftOff, text });
             }
             self.spool = S::zero();
+            self.sagging = S::zero();
+            self.rested = cell_voltage(cx);
             self.slack = cx.config.modes.slack_hover.as_ref().map(|block| SlackHover::start(block));
             handover.position = PositionState::default();
         }
@@ -133,6 +148,10 @@ impl<S: Scalar> Takeoff<S> {
         let full = weight * S::from_f32(p.spool_thrust) + tension;
         let start = S::lit(SPOOL_START).min(weight * S::lit(0.5));
         let thrust = start + (full - start) * (self.spool / time).min(S::one());
+        if self.sags(thrust / full, cx) {
+            let text = "Take-off refused: battery sags under load";
+            return Err(Exit { failure: Failure::NoLiftOff, text });
+        }
         // Light on its feet it slides in the wind: lean against that.
         let damping = -S::lit(SLIDE_DAMPING) * cx.config.constants.mass;
         let side = situation.navigation.sliding().0 * damping;
@@ -141,9 +160,27 @@ impl<S: Scalar> Takeoff<S> {
         Ok(Setpoints { attitude, ground, ..cx.unchanged(tension) })
     }
 
+    /// Whether the battery would be low in a hover: the drop so far, by the current that goes with the thrust.
+    fn sags(&mut self, share: S, cx: &Context<'_, S>) -> bool {
+        let (Some(rested), Some(cell)) = (self.rested, cell_voltage(cx)) else { return false };
+        if share < S::lit(SAG_FROM) {
+            return false;
+        }
+        let hovering = rested - (rested - cell) / (share * share.sqrt());
+        let is_low = hovering < S::from_f32(cx.params.battery_low);
+        self.sagging = if is_low { self.sagging + S::lit(OUTER_DT) } else { S::zero() };
+        self.sagging > S::lit(SAG_TIME)
+    }
+
     fn target(&self, cx: &Context<'_, S>) -> Option<SphericalPoint<S>> {
         target(self.altitude.unwrap_or(cx.params.takeoff_altitude), cx)
     }
+}
+
+/// Volts per cell, as they are.
+fn cell_voltage<S: Scalar>(cx: &Context<'_, S>) -> Option<S> {
+    let cells = S::from_f32(cx.params.battery_cells.max(1.0));
+    cx.sensors.battery.map(|battery| battery.voltage / cells)
 }
 
 /// Where a take-off to this altitude ends: straight out along the start heading; free straight up.

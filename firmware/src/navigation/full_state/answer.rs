@@ -15,6 +15,8 @@ const EARLY: u16 = 500;
 const STRONG: f64 = 7.0;
 const FELT_MIN: f64 = 0.15;
 const QUICK_SHARE: f64 = 0.02;
+/// Of what is asked; a line that pulls more is there.
+const HELD_SHARE: f64 = 0.8;
 /// Variance of the movement that is needed to tell, N².
 const MOVED: f64 = 0.5;
 
@@ -64,6 +66,8 @@ impl<S: Scalar> Answer<S> {
         let covariance = self.product - self.moved * self.felt;
         self.age = (self.age + 1).min(EARLY);
         let is_still = variance > S::lit(MOVED) && covariance < variance * S::lit(SLOPE_MIN);
+        // One that pulls without an answer is caught, not gone.
+        let is_still = is_still && self.felt < tension * S::lit(HELD_SHARE);
         let is_silent = self.age == EARLY && (is_still || is_missed);
         self.steps = if is_silent { self.steps.saturating_add(1) } else { 0 };
         self.steps > STEPS

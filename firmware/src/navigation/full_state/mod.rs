@@ -394,6 +394,7 @@ impl<S: Scalar> FullFlight<S> {
             aids: self.report(flying),
             sd: position_sd(state, self.aids.systematic()),
             air_force: World(state.air_force() - state.velocity * self.filter.model.drag),
+            thrust_scale: state.thrust_scale,
             health: flying.health.means,
             restarts: flying.restarts,
             has_diverged: is_lost,

@@ -8,6 +8,7 @@ fn healthy() -> FailsafeFacts {
         altitude_is_fresh: true,
         is_taut: true,
         is_gone: false,
+        line: LineFault::default(),
         has_capture: true,
         tether_is_known: true,
         cell: Some(3.9),
@@ -40,6 +41,11 @@ fn every_failure_ends_in_its_named_state() {
     assert_eq!(settled(FailsafeFacts { cell: Some(3.4), ..h }), Some(Land));
     assert_eq!(settled(FailsafeFacts { cell: Some(3.1), ..h }), Some(Descend));
     assert_eq!(settled(FailsafeFacts { link_silence_us: Some(6_000_000), ..h }), Some(Land));
+    let caught = LineFault { is_caught: true, ..LineFault::default() };
+    assert_eq!(settled(FailsafeFacts { line: caught, ..h }), Some(FailsafeAction::Hold));
+    let pulled = LineFault { is_pulled: true, ..LineFault::default() };
+    assert_eq!(settled(FailsafeFacts { line: pulled, ..h }), Some(Land));
+    assert_eq!(settled(FailsafeFacts { imu: ImuHealth::Irregular, ..h }), Some(Land));
     let manual = FailsafeFacts { mode: Mode::Stabilize, ..h };
     assert_eq!(settled(manual), Some(Descend));
     let flown = FailsafeFacts { sticks_are_up: true, ..manual };

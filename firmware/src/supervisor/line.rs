@@ -1,0 +1,86 @@
+//! Does the line do what the winch is asked? A winch holds a tension: far more of it means that something else holds the
+//! line, or that the winch pulls on its own.
+
+use crate::scalar::Scalar;
+
+/// What the last seconds show.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct LineFault {
+    /// Far too much tension, and the line does not pay out.
+    pub is_caught: bool,
+    /// Far too much tension, though nothing is asked of the length.
+    pub is_pulled: bool,
+}
+
+/// What is looked at.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LineInput<S> {
+    /// Estimated at the line's middle, N.
+    pub tension: S,
+    /// Asked of the winch, N.
+    pub asked: S,
+    /// Distance from the anchor, m, and of the reference.
+    pub length: S,
+    /// m.
+    pub wanted: S,
+}
+
+/// Timers, s.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct LineWatch<S> {
+    caught: S,
+    pulled: S,
+}
+
+/// Too much is this many times what is asked, and so many N more.
+const TIMES: f64 = 1.7;
+const MORE: f64 = 4.0;
+/// The vehicle wants so much farther out, m.
+const FARTHER: f64 = 0.4;
+/// It lasts so long, s.
+const CAUGHT_TIME: f64 = 1.5;
+const PULLED_TIME: f64 = 1.0;
+
+impl<S: Scalar> LineWatch<S> {
+    /// One step over `dt` s; `None`: no winch's line is taut.
+    pub fn step(&mut self, input: Option<&LineInput<S>>, dt: S) -> LineFault {
+        let Some(z) = input else {
+            *self = Self { caught: S::zero(), pulled: S::zero() };
+            return LineFault::default();
+        };
+        let is_much = z.tension > z.asked * S::lit(TIMES) && z.tension > z.asked + S::lit(MORE);
+        let wants_out = z.wanted > z.length + S::lit(FARTHER);
+        let count = |timer: &mut S, holds: bool, time: f64| {
+            // A tension that is moved to and fro may hide it for a moment.
+            let next = if holds { *timer + dt } else { *timer - dt * S::lit(0.5) };
+            *timer = next.limit(S::zero(), S::lit(2.0 * time));
+            *timer >= S::lit(time)
+        };
+        LineFault {
+            is_caught: count(&mut self.caught, is_much && wants_out, CAUGHT_TIME),
+            is_pulled: count(&mut self.pulled, is_much && !wants_out, PULLED_TIME),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn after(z: LineInput<f64>, seconds: f64) -> LineFault {
+        let mut watch = LineWatch::default();
+        let steps = (seconds / 0.004) as u32;
+        (0..steps).fold(LineFault::default(), |_, _| watch.step(Some(&z), 0.004))
+    }
+
+    #[test]
+    fn a_line_that_follows_is_left_alone_and_one_that_does_not_is_told_from_a_winch_that_pulls() {
+        let good = LineInput { tension: 7.0, asked: 6.5, length: 6.0, wanted: 6.1 };
+        assert_eq!(after(good, 60.0), LineFault::default());
+        let caught = LineInput { tension: 14.0, wanted: 7.0, ..good };
+        assert!(after(caught, 2.0).is_caught && !after(caught, 2.0).is_pulled);
+        let pulled = LineInput { tension: 25.0, length: 5.0, wanted: 5.2, ..good };
+        assert!(after(pulled, 2.0).is_pulled && !after(pulled, 2.0).is_caught);
+        assert_eq!(after(pulled, 0.5), LineFault::default(), "a jerk");
+    }
+}
