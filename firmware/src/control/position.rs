@@ -14,6 +14,9 @@ use crate::scalar::Scalar;
 /// Largest integral along the line of a winch, over the one across: it may have to carry a fifth of the weight.
 const RADIAL_SHARE: f64 = 2.0;
 
+/// Of a length that is off by more, m, the integral takes only so much: a line that is caught is not pulled at ever harder.
+const RADIAL_STEP: f64 = 0.3;
+
 /// Gains and limits.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PositionLoop<S> {
@@ -166,7 +169,8 @@ impl<S: Scalar> PositionLoop<S> {
         // A winch leaves the length free: what is steadily off along the line, a payload or weak rotors, is integrated
         // as across it. A fixed length is not the loop's to change.
         let is_winch = z.radial_control == RadialControl::Winch;
-        let along = if is_winch { u * (z.length - length) } else { V3::zeros() };
+        let off = (z.length - length).limit_abs(S::lit(RADIAL_STEP));
+        let along = if is_winch { u * off } else { V3::zeros() };
         if !z.hold_integral {
             integral += state.rest.take((error + along) * (self.ki * dt * S::lit(FINE)));
         }

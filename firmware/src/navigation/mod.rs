@@ -376,6 +376,7 @@ impl<S: Scalar> Navigation<S> {
             length_jumps: state.payout.jumps,
             air_force: World(V3::zeros()),
             thrust_scale: S::one(),
+            pull: None,
             drift: state.drift.velocity,
             outside: World(attitude.attitude.0 * state.beside_thrust),
             restarts: 0,

@@ -70,6 +70,8 @@ pub(super) struct Found<S: Scalar> {
     pub air_force: World<V3<S>>,
     /// Real over modelled thrust.
     pub thrust_scale: S,
+    /// Felt along the line, N.
+    pub pull: Option<S>,
     pub health: FilterHealth<S>,
     pub restarts: u16,
     pub has_diverged: bool,
@@ -89,6 +91,7 @@ impl<S: Scalar> Found<S> {
             sd: V3::repeat(S::lit(PLACE_SD)),
             air_force: World(V3::zeros()),
             thrust_scale: S::one(),
+            pull: None,
             health: FilterHealth::default(),
             restarts: 0,
             has_diverged: false,
@@ -244,6 +247,7 @@ impl<S: Scalar> PositionFilter<S> {
             position_sd: found.sd,
             air_force: found.air_force,
             thrust_scale: found.thrust_scale,
+            pull: found.pull,
             restarts: found.restarts,
             tether_is_gone: found.is_gone,
             aids: found.aids,

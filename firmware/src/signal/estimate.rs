@@ -81,6 +81,8 @@ pub struct Estimate<S: Scalar = f32> {
     pub air_force: World<V3<S>>,
     /// Real over modelled thrust; one where nobody estimates it.
     pub thrust_scale: S,
+    /// Along the line by accelerometer and thrust alone, N, where somebody looks.
+    pub pull: Option<S>,
     /// Level velocity by inertia alone where no position is believed, m/s.
     pub drift: World<V3<S>>,
     /// Specific force of all that acts beside the thrust, of the last second, m/s².

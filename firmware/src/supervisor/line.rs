@@ -1,5 +1,5 @@
-//! Does the line do what the winch is asked? A winch holds a tension: far more of it means that something else holds the
-//! line, or that the winch pulls on its own.
+//! Does the line do what the winch is asked? A winch holds a tension and lets the length go: a vehicle that does not get
+//! farther out though it wants to is held by something else, and far more tension than asked is the winch's own.
 
 use crate::scalar::Scalar;
 
@@ -23,6 +23,8 @@ pub struct LineInput<S> {
     pub length: S,
     /// m.
     pub wanted: S,
+    /// How fast the reference goes out, m/s.
+    pub wanted_rate: S,
 }
 
 /// Timers, s.
@@ -30,6 +32,9 @@ pub struct LineInput<S> {
 pub struct LineWatch<S> {
     caught: S,
     pulled: S,
+    /// Of the last step, m, and its rate, low-passed, m/s.
+    length: Option<S>,
+    rate: S,
 }
 
 /// Too much is this many times what is asked, and so many N more.
@@ -37,19 +42,29 @@ const TIMES: f64 = 1.7;
 const MORE: f64 = 4.0;
 /// The vehicle wants so much farther out, m.
 const FARTHER: f64 = 0.4;
+/// Without a word of the tension: so much farther, m, and slower than this, m/s.
+const FAR: f64 = 0.7;
+const STANDS: f64 = 0.12;
+/// The rate's low-pass, s.
+const RATE_TIME: f64 = 0.3;
 /// It lasts so long, s.
-const CAUGHT_TIME: f64 = 1.5;
+const CAUGHT_TIME: f64 = 1.0;
 const PULLED_TIME: f64 = 1.0;
 
 impl<S: Scalar> LineWatch<S> {
     /// One step over `dt` s; `None`: no winch's line is taut.
     pub fn step(&mut self, input: Option<&LineInput<S>>, dt: S) -> LineFault {
         let Some(z) = input else {
-            *self = Self { caught: S::zero(), pulled: S::zero() };
+            *self = Self { caught: S::zero(), pulled: S::zero(), length: None, rate: S::zero() };
             return LineFault::default();
         };
         let is_much = z.tension > z.asked * S::lit(TIMES) && z.tension > z.asked + S::lit(MORE);
+        let moved = self.length.map_or(S::zero(), |before| (z.length - before) / dt);
+        self.rate += (moved - self.rate) * dt * S::lit(1.0 / RATE_TIME);
+        self.length = Some(z.length);
         let wants_out = z.wanted > z.length + S::lit(FARTHER);
+        let stands = z.wanted > z.length + S::lit(FAR) && self.rate < S::lit(STANDS);
+        let stands = stands && z.wanted_rate > S::lit(STANDS);
         let count = |timer: &mut S, holds: bool, time: f64| {
             // A tension that is moved to and fro may hide it for a moment.
             let next = if holds { *timer + dt } else { *timer - dt * S::lit(0.5) };
@@ -57,7 +72,7 @@ impl<S: Scalar> LineWatch<S> {
             *timer >= S::lit(time)
         };
         LineFault {
-            is_caught: count(&mut self.caught, is_much && wants_out, CAUGHT_TIME),
+            is_caught: count(&mut self.caught, stands || (is_much && wants_out), CAUGHT_TIME),
             is_pulled: count(&mut self.pulled, is_much && !wants_out, PULLED_TIME),
         }
     }
@@ -75,9 +90,12 @@ mod tests {
 
     #[test]
     fn a_line_that_follows_is_left_alone_and_one_that_does_not_is_told_from_a_winch_that_pulls() {
-        let good = LineInput { tension: 7.0, asked: 6.5, length: 6.0, wanted: 6.1 };
+        let good =
+            LineInput { tension: 7.0, asked: 6.5, length: 6.0, wanted: 6.1, wanted_rate: 0.3 };
         assert_eq!(after(good, 60.0), LineFault::default());
         let caught = LineInput { tension: 14.0, wanted: 7.0, ..good };
+        let silent = LineInput { tension: 6.5, ..caught };
+        assert!(after(silent, 2.0).is_caught, "whatever the estimate makes of the tension");
         assert!(after(caught, 2.0).is_caught && !after(caught, 2.0).is_pulled);
         let pulled = LineInput { tension: 25.0, length: 5.0, wanted: 5.2, ..good };
         assert!(after(pulled, 2.0).is_pulled && !after(pulled, 2.0).is_caught);

@@ -55,7 +55,8 @@ impl<S: Scalar> Vehicle<S> {
 
     /// Whether there is a position to fly by; on the way up on a slack link there is none yet.
     pub(super) fn has_place(&self) -> bool {
-        let is_believed = self.state.doubt.is_none();
+        // What is known of the place was known by the line.
+        let is_believed = self.state.doubt.is_none() && !self.situation.estimate.tether_is_gone;
         self.situation.estimate.position.is_some() && is_believed && !self.mode.climbs_slack()
     }
 

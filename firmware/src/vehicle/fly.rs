@@ -55,10 +55,14 @@ impl<S: Scalar> Vehicle<S> {
         let tether = situation.estimate.tether.filter(|t| t.is_taut && is_on_winch && flies);
         let reference = situation.setpoints.reference;
         let input = tether.zip(reference).map(|(tether, reference)| LineInput {
-            tension: tether.tension,
+            tension: situation.estimate.pull.unwrap_or(tether.tension).max(tether.tension),
             asked: state.actuation.winch.tension,
             length: tether.length,
             wanted: so3::norm(&reference.position.0),
+            wanted_rate: {
+                let out = reference.position.0 / so3::norm(&reference.position.0).max(S::lit(0.1));
+                so3::dot(&out, &reference.velocity.0)
+            },
         });
         state.line = state.line_watch.step(input.as_ref(), S::lit(OUTER_DT));
     }

@@ -21,6 +21,9 @@ const ANSWER_LENGTH: f64 = 3.0;
 /// What a line that becomes slack leaves unknown: place, m, and velocity, m/s.
 const RELEASE_SD: f64 = 0.2;
 
+/// Share of a step of the pull that is felt: a fifth of a second.
+const PULL_SHARE: f64 = 0.02;
+
 impl<S: Scalar> FullFlight<S> {
     /// Third part: whether the line pulls.
     pub fn judge(&self, flying: &mut FullFlightState<S>, intent: &Intent<S>, sit: &MahonyState<S>) {
@@ -35,6 +38,7 @@ impl<S: Scalar> FullFlight<S> {
         sit: &MahonyState<S>,
     ) -> Result<(), Fault> {
         let along = self.along(flying, sit);
+        self.feel_pull(flying);
         // A line that hangs in a curve yields before it answers; a fixed one is moved by the vehicle, as far as it can; near
         // the anchor a small error of the place is a large one of the direction.
         let is_sure =
@@ -69,6 +73,16 @@ impl<S: Scalar> FullFlight<S> {
             }
         }
         Ok(())
+    }
+
+    /// What pulls along the line by accelerometer and thrust model alone: a filter that expects the winch to do what it
+    /// is asked sees in more of it weak rotors.
+    fn feel_pull(&self, flying: &mut FullFlightState<S>) {
+        let (model, state) = (&self.filter.model, &flying.state);
+        let lift = V3::new(S::zero(), S::zero(), flying.load.thrust);
+        let felt = state.attitude.0 * ((flying.reading - state.accel_bias) * model.mass + lift);
+        let pull = -so3::dot(&model.direction(state), &felt);
+        flying.pull += (pull - flying.pull) * S::lit(PULL_SHARE);
     }
 
     /// What the filter and the accelerometer say along the line.

@@ -118,6 +118,8 @@ pub(super) struct FullFlightState<S: Scalar> {
     reading: V3<S>,
     /// It is not believed.
     pub is_numb: bool,
+    /// Along the line, low-passed, N.
+    pull: S,
     /// Variance of what shakes it behind the low-pass, m²/s⁴.
     pub shake: S,
     /// Counts steps, for rows that do not come at each.
@@ -268,6 +270,7 @@ impl<S: Scalar> FullFlight<S> {
             load: Load { thrust: S::zero(), is_taut: line.slackness.is_taut, length_out },
             reading: V3::zeros(),
             is_numb: false,
+            pull: tension,
             shake: S::zero(),
             tick: 0,
             has_failed: false,
@@ -395,6 +398,7 @@ impl<S: Scalar> FullFlight<S> {
             sd: position_sd(state, self.aids.systematic()),
             air_force: World(state.air_force() - state.velocity * self.filter.model.drag),
             thrust_scale: state.thrust_scale,
+            pull: Some(flying.pull),
             health: flying.health.means,
             restarts: flying.restarts,
             has_diverged: is_lost,
