@@ -1,7 +1,7 @@
 //! From counts to directions, newtons and microteslas.
 
 use tautline_firmware::param::Params;
-use tautline_firmware::sense::{ImuScale, RawSensors, Sense, SenseState};
+use tautline_firmware::sense::{ImuScale, Motion, RawSensors, Sense, SenseState};
 use tautline_firmware::signal::{
     LineSensors, RawAngles, RawBattery, RawFairlead, RawImu, RawLineSensors, RawMagnetometer,
     RawTension,
@@ -29,7 +29,8 @@ impl Bench {
 
     fn feel(&mut self, raw: &RawSensors) -> LineSensors {
         self.now = Micros(self.now.0 + 1_000);
-        self.sense.step(&mut self.state, self.now, raw, 1.0).line
+        let motion = Motion { cos_tilt: 1.0, accel_up: 0.0, rests: true };
+        self.sense.step(&mut self.state, self.now, raw, &motion).line
     }
 
     fn line(&mut self, line: RawLineSensors) -> LineSensors {

@@ -82,6 +82,7 @@ pub fn check_outer<S: Scalar + Into<f64>>(file: &Value, bound: f64) {
         kd: s(ctl, "kd"),
         ki: s(ctl, "ki"),
         integral_max: s(ctl, "imax"),
+        radial_integral_max: S::zero(),
         accel_max: s(ctl, "amax"),
         radial_p: s(ctl, "kpr"),
         radial_d: s(ctl, "kdr"),

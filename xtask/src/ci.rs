@@ -54,6 +54,12 @@ pub fn everything() -> Outcome {
     )
 }
 
+/// The table of faults, into `docs/faults.md`.
+pub fn faults(seeds: &str) -> Outcome {
+    run("cargo", &["build", "--release", "--locked", "-p", "tautline-sitl"])?;
+    run(sitl(), &["experiment", "faults", "--set", &format!("seeds={seeds}"), "--plot", "docs"])
+}
+
 /// The pymavlink flights alone.
 pub fn clients() -> Outcome {
     fly_clients(&install::python_clients()?)
@@ -114,6 +120,7 @@ fn experiments() -> Outcome {
         ("fullstate-table", 5),
         ("fullstate-faults", 3),
         ("which-sensor", 3),
+        ("faults", 1),
         ("fixed-point", 1),
         ("pendulum-sweeps", 1),
         ("pendulum-flight", 2),

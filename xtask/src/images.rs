@@ -58,7 +58,7 @@ pub const IMAGES: [Image; 5] = [
         target: M4F,
         flight: "CAN1_SCE",
         chip: "STM32F405RG",
-        flash: 204 * KIB,
+        flash: 220 * KIB,
         ram: 64 * KIB,
     },
     Image {

@@ -11,9 +11,6 @@ use crate::model::Line;
 use crate::param::Params;
 use crate::scalar::Scalar;
 
-/// Largest integral along the line of a winch, over the one across: it may have to carry a fifth of the weight.
-const RADIAL_SHARE: f64 = 2.0;
-
 /// Of a length that is off by more, m, the integral takes only so much: a line that is caught is not pulled at ever harder.
 const RADIAL_STEP: f64 = 0.3;
 
@@ -32,6 +29,8 @@ pub struct PositionLoop<S> {
     pub ki: S,
     /// Largest integral, m/s².
     pub integral_max: S,
+    /// The same along the line of a winch, m/s².
+    pub radial_integral_max: S,
     /// Largest tangential and radial acceleration, m/s².
     pub accel_max: S,
     /// Radial, 1/s².
@@ -127,6 +126,7 @@ impl<S: Scalar> PositionLoop<S> {
             kd: f(p.position_d),
             ki: f(p.position_i),
             integral_max: f(p.position_i_max),
+            radial_integral_max: f(p.radial_i_max),
             accel_max: f(p.accel_max),
             radial_p: f(p.radial_p),
             radial_d: f(p.radial_d),
@@ -175,7 +175,7 @@ impl<S: Scalar> PositionLoop<S> {
             integral += state.rest.take((error + along) * (self.ki * dt * S::lit(FINE)));
         }
         let outward = if is_winch { so3::dot(&integral, &u) } else { S::zero() };
-        let outward = outward.limit_abs(self.integral_max * S::lit(RADIAL_SHARE));
+        let outward = outward.limit_abs(self.radial_integral_max);
         let across = so3::limit_norm(so3::reject(&integral, &u), self.integral_max);
         state.integral = World(across + u * outward);
         let asked =

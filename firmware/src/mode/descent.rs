@@ -103,7 +103,8 @@ pub(super) fn fly_level<S: Scalar>(
     let estimate = &cx.situation.estimate;
     let up = cx.config.climb.step(&mut handover.climb, climb, estimate.climb, S::lit(OUTER_DT));
     let mass = cx.config.constants.mass;
-    let has_place = cx.situation.has_place;
+    // After a cut the velocity is known, and to be lost soon: it brakes while it can.
+    let has_place = cx.situation.has_place || estimate.tether_is_gone;
     let (lean, share) = if has_place { (LEAN, 1.0) } else { (LEAN_BLIND, SHARE_BLIND) };
     let pulls = outside(tension, cx) * S::lit(share);
     let side = (way * S::lit(HOLD) - estimate.drift.0 * S::lit(BRAKE) - pulls) * mass;

@@ -197,6 +197,8 @@ params! {
         position_i: "TPC_I" Real ["1/s^3"] = 0.15 in 0.0 ..= 10.0;
         /// Largest integral.
         position_i_max: "TPC_I_MAX" Real ["m/s^2"] = 1.0 in 0.0 ..= 10.0;
+        /// Largest integral along the line of a winch: it may have to carry a payload or weak rotors.
+        radial_i_max: "TPC_RAD_I_MAX" Real ["m/s^2"] = 2.5 in 0.0 ..= 10.0;
         /// Largest acceleration asked by the position loop.
         accel_max: "TPC_ACC_MAX" Real ["m/s^2"] = 3.0 in 0.1 ..= 20.0;
         /// Radial position gain (winch).

@@ -3,6 +3,7 @@
 mod acceptance;
 mod angle_flight;
 mod conference;
+mod faults;
 mod fixed_flight;
 mod flown;
 mod full_state_faults;
@@ -125,7 +126,7 @@ const PENDULUM: &str = "Yang, Reis, Yu & Silvestre, flying inverted pendulum";
 const BOTH_SENSING: &str = "both sensing papers; `inertial`, `localization`";
 
 /// All of them.
-pub const EXPERIMENTS: [Experiment; 35] = [
+pub const EXPERIMENTS: [Experiment; 36] = [
     Experiment {
         key: "planar-nominal",
         paper: JOURNAL,
@@ -293,6 +294,13 @@ pub const EXPERIMENTS: [Experiment; 35] = [
         figure: "`fullstate`, section 24",
         about: "pushes, lying sensors and weak thrust in a hold, and what the full-state filter makes of them",
         run: full_state_faults::run,
+    },
+    Experiment {
+        key: "faults",
+        paper: "our own",
+        figure: "fault table",
+        about: "Each fault in each phase of a flight: final state, worst touch-down, share lost",
+        run: faults::run,
     },
     Experiment {
         key: "which-sensor",

@@ -19,6 +19,7 @@ pub use pendulum::{PendulumFlightSummary, PendulumMetrics};
 pub use place::{PlaceMetrics, PlaceSummary};
 pub use spread::Spread;
 pub use taut::{TautMetrics, TautSummary};
+pub use verdict::Verdict;
 
 /// Milliseconds from one look to the next: errors change slower than that.
 const PERIOD: u32 = 10;

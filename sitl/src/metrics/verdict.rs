@@ -5,8 +5,8 @@ use crate::plant::{Plant, TICK};
 use tautline_firmware::vehicle::StepOutput;
 
 /// Fastest first contact that leaves a vehicle whole, downwards and sideways, m/s.
-pub const SINK_MAX: f64 = 1.5;
-pub const ASIDE_MAX: f64 = 1.0;
+const SINK_MAX: f64 = 1.5;
+const ASIDE_MAX: f64 = 1.0;
 /// Beyond this tilt the vehicle counts as lost (70°), rad.
 const TILT_MAX: f64 = 1.22;
 /// Motors may turn so long on the ground after a flight, s.

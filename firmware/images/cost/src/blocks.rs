@@ -17,7 +17,7 @@ use tautline_firmware::math::GRAVITY;
 use tautline_firmware::model::{Line, PlanarModel, TetherAngle, TetherAngleModel};
 use tautline_firmware::param::Params;
 use tautline_firmware::scalar::Scalar;
-use tautline_firmware::sense::{ImuScale, RawSensors, Sense, SenseState};
+use tautline_firmware::sense::{ImuScale, Motion, RawSensors, Sense, SenseState};
 use tautline_firmware::signal::{MixerReport, PlanarReference, RawImu, Wrench};
 use tautline_firmware::time::{Micros, Sample};
 use tautline_firmware::trajectory::ThrustBranch;
@@ -107,6 +107,7 @@ fn sense<S: Scalar>(meter: &mut Meter, scalar: &str, params: &Params) {
     let sense = Sense::<S>::new(params, scale);
     let mut state = SenseState::default();
     let mut now = 0;
+    let motion = Motion { cos_tilt: S::one(), accel_up: S::zero(), rests: false };
     meter.measure("sense", scalar, || {
         now += 1000;
         let flicker = (now / 1000 % 3) as i16;
@@ -114,7 +115,7 @@ fn sense<S: Scalar>(meter: &mut Meter, scalar: &str, params: &Params) {
             RawImu { accel: [flicker, 100, 2046], gyro: [flicker, 2, 5], temperature: 30.0 };
         let at = Micros(now);
         let raw = RawSensors { imu: Some(Sample { at, value }), ..RawSensors::default() };
-        black_box(sense.step(&mut state, at, black_box(&raw), S::one()));
+        black_box(sense.step(&mut state, at, black_box(&raw), &motion));
     });
 }
 
