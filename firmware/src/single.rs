@@ -128,8 +128,7 @@ single! {
     TetherState { elevation, azimuth, length, tension; is_taut }
     FilterHealth { accel, altitude, length }
     Estimate {
-        attitude, rate, gyro_bias, height, climb, altitude_rate, vibration, position, velocity, tether, position_sd, heading_sd, air_force, drift,
-        outside, thrust_scale, pull, thrust, health;
+        attitude, rate, gyro_bias, height, climb, altitude_rate, vibration, position, velocity, tether, position_sd, heading_sd, air_force, thrust_scale, pull, thrust, health;
         restarts, length_jumps, tether_is_gone, aids, source, is_levelled, has_diverged
     }
     FlightReference { position, velocity, yaw, tension }

@@ -53,7 +53,7 @@ impl<S: Scalar> FlightMode<S> for Descent<S> {
         let tension = cx.tension(handover, false, cx.fixed_pull());
         let estimate = &cx.situation.estimate;
         let position = estimate.position.filter(|_| cx.situation.has_place);
-        let is_slow = so3::norm(&estimate.drift.0) < S::lit(STOPPED);
+        let is_slow = so3::norm(&cx.situation.navigation.drift().0) < S::lit(STOPPED);
         let off = |place: &World<V3<S>>, here: &World<V3<S>>| {
             let off = place.0 - here.0;
             V3::new(off.x, off.y, S::zero())
@@ -107,7 +107,8 @@ pub(super) fn fly_level<S: Scalar>(
     let has_place = cx.situation.has_place || estimate.tether_is_gone;
     let (lean, share) = if has_place { (LEAN, 1.0) } else { (LEAN_BLIND, SHARE_BLIND) };
     let pulls = outside(tension, cx) * S::lit(share);
-    let side = (way * S::lit(HOLD) - estimate.drift.0 * S::lit(BRAKE) - pulls) * mass;
+    let side =
+        (way * S::lit(HOLD) - cx.situation.navigation.drift().0 * S::lit(BRAKE) - pulls) * mass;
     let force = leaning(up, &side, S::lit(lean));
     let mut attitude = cx.thrust(force, handover.heading);
     attitude.thrust = up / estimate.attitude.cos_tilt().max(S::lit(COS_TILT_MIN));
@@ -121,10 +122,13 @@ fn outside<S: Scalar>(tension: S, cx: &Context<'_, S>) -> V3<S> {
     let constants = &cx.config.constants;
     let is_taut = estimate.tether.is_some_and(|tether| tether.is_taut);
     let most = match constants.radial_control {
+        // What was felt last was the line.
+        _ if estimate.tether_is_gone => S::zero(),
         RadialControl::FixedLength if is_taut => S::zero(),
         RadialControl::FixedLength | RadialControl::Free => S::lit(AIR_MOST),
         RadialControl::Winch => S::lit(AIR_MOST) + tension / constants.mass,
     };
-    let level = V3::new(estimate.outside.0.x, estimate.outside.0.y, S::zero());
+    let World(felt) = estimate.attitude.to_world(cx.situation.navigation.outside());
+    let level = V3::new(felt.x, felt.y, S::zero());
     so3::limit_norm(level, most)
 }

@@ -377,8 +377,6 @@ impl<S: Scalar> Navigation<S> {
             air_force: World(V3::zeros()),
             thrust_scale: S::one(),
             pull: None,
-            drift: state.drift.velocity,
-            outside: World(attitude.attitude.0 * state.beside_thrust),
             restarts: 0,
             tether_is_gone: false,
             aids: AidReport::default(),
@@ -447,6 +445,18 @@ impl<S: Scalar> NavigationState<S> {
     /// Whether the position filter has diverged and must prove itself.
     pub fn doubt(&mut self, is_doubted: bool) {
         self.is_doubted = is_doubted;
+    }
+
+    /// Level velocity by inertia alone where no position is believed, m/s.
+    #[must_use]
+    pub fn drift(&self) -> World<V3<S>> {
+        self.drift.velocity
+    }
+
+    /// Specific force of all that acts beside the thrust, of the last second, body axes, m/s².
+    #[must_use]
+    pub fn outside(&self) -> Body<V3<S>> {
+        Body(self.beside_thrust)
     }
 
     /// A velocity that is believed, once a step of the outer loop, m/s.

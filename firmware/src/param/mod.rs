@@ -5,8 +5,10 @@
 //! follow. Names are written out, so that `grep RATE_P` finds the line. A name longer than 16 bytes
 //! or a default out of range does not compile.
 
+mod combination;
 mod tree;
 
+pub use combination::{COMBINATIONS, Combination, broken};
 pub use tree::{DOCS, Group, META, Params};
 
 /// How a value travels and is shown.

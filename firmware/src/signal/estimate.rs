@@ -83,10 +83,6 @@ pub struct Estimate<S: Scalar = f32> {
     pub thrust_scale: S,
     /// Along the line by accelerometer and thrust alone, N, where somebody looks.
     pub pull: Option<S>,
-    /// Level velocity by inertia alone where no position is believed, m/s.
-    pub drift: World<V3<S>>,
-    /// Specific force of all that acts beside the thrust, of the last second, m/s².
-    pub outside: World<V3<S>>,
     /// The line that should hold the vehicle does not.
     pub tether_is_gone: bool,
     /// Sensors that should help the position filter and do not.

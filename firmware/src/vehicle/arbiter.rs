@@ -5,6 +5,7 @@ use crate::control::{PositionState, RadialControl};
 use crate::math::so3;
 use crate::mode::refusal::NOT_BUILT;
 use crate::mode::{Context, Entry, Exit, Refusal, denied, rejected};
+use crate::param::broken;
 use crate::scalar::Scalar;
 use crate::signal::{Action, Aid, AidSet, CLOSED_THROTTLE, Event, EventQueue, Sensors};
 use crate::supervisor::{
@@ -111,7 +112,7 @@ impl<S: Scalar> Vehicle<S> {
         let cx = self.context(at);
         let facts = self.failsafe_facts(&cx);
         let is_armable = ArmingCheck::first_failure(&self.arming_facts(&cx), false).is_none();
-        self.state.is_armable = is_armable;
+        self.state.is_armable = is_armable && self.state.is_consistent;
         if self.situation.armed_at.is_none() {
             self.state.failsafe = FailsafeState::default();
             self.state.doubt = None;
@@ -261,6 +262,9 @@ impl<S: Scalar> Vehicle<S> {
         let cx = context!(self, at);
         if let Some(check) = ArmingCheck::first_failure(&self.arming_facts(&cx), force) {
             return Err(rejected(check.text));
+        }
+        if let Some(rule) = broken(&self.params) {
+            return Err(rejected(rule.text));
         }
         if self.mode.mode().lands() {
             self.mode.rest(&cx);

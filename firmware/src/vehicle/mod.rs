@@ -31,7 +31,7 @@ use crate::estimate::taut::{TautEstimatorState, TautInput};
 use crate::frames::{Body, V3, World};
 use crate::mode::{ActiveMode, Context, Handover, Setpoints, Situation};
 use crate::navigation::{Intent, Phase, Stage};
-use crate::param::Params;
+use crate::param::{Params, broken};
 use crate::scalar::Scalar;
 use crate::sense::{ImuScale, Motion, SenseState};
 use crate::signal::{
@@ -73,6 +73,8 @@ struct State<S: Scalar> {
     felt: Felt<S>,
     /// All arming checks passed when they were last looked at.
     is_armable: bool,
+    /// The parameters go together.
+    is_consistent: bool,
     /// Since the estimators moved on.
     phase: OuterPhase,
     landed_at: Option<Micros>,
@@ -180,6 +182,7 @@ impl<S: Scalar> Vehicle<S> {
             sense: SenseState::default(),
             felt: Felt::default(),
             is_armable: false,
+            is_consistent: broken(&params).is_none(),
             phase: OuterPhase::Idle,
             landed_at: None,
             doubt: None,
@@ -234,6 +237,9 @@ impl<S: Scalar> Vehicle<S> {
     /// may take as long as a step, but no millisecond has two.
     #[inline(never)]
     pub fn maintain(&mut self) {
+        if !self.stale.is_empty() {
+            self.state.is_consistent = broken(&self.params).is_none();
+        }
         let has_renewed = self.config.renew(&mut self.stale, &self.params, self.scale);
         if has_renewed && self.situation.armed_at.is_none() {
             // The place to start from follows from the parameters.

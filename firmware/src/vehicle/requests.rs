@@ -4,7 +4,7 @@ use super::{Moment, Vehicle, context};
 use crate::config::Stale;
 use crate::mode::pendulum::gain_warning;
 use crate::mode::{Entry, Refusal, denied, rejected};
-use crate::param::{Group, META, Params};
+use crate::param::{Group, META, Params, broken};
 use crate::scalar::Scalar;
 use crate::signal::{Action, Event, EventQueue, Outcome, Reply, Request};
 use crate::supervisor::Mode;
@@ -18,6 +18,12 @@ fn outcome_of(result: Result<(), Refusal>, events: &mut EventQueue) -> Outcome {
             refusal.outcome
         }
     }
+}
+
+/// In flight a gain or a limit changes by a half at most, or a little where it is near zero.
+fn is_small_step(before: f32, after: f32) -> bool {
+    let (low, high) = (before.min(after), before.max(after));
+    high <= 1.5 * low || high - low <= 0.1
 }
 
 impl<S: Scalar> Vehicle<S> {
@@ -120,12 +126,30 @@ impl<S: Scalar> Vehicle<S> {
         events: &mut EventQueue,
     ) -> Result<(), Refusal> {
         let group = META.get(index).map(|meta| meta.group);
-        let is_guarded =
-            matches!(group, Some(Group::Vehicle | Group::Motors | Group::Sensors | Group::Tether));
-        if is_guarded && self.context(at).is_in_air() {
+        let is_guarded = matches!(
+            group,
+            Some(
+                Group::Vehicle | Group::Motors | Group::Sensors | Group::Tether | Group::Estimator
+            )
+        );
+        let is_in_air = self.context(at).is_in_air();
+        if is_guarded && is_in_air {
             return Err(rejected("Parameter refused: not in the air"));
         }
-        self.params.set(index, value).map_err(|_| denied("Parameter refused: out of range"))?;
+        let mut changed = self.params;
+        changed.set(index, value).map_err(|_| denied("Parameter refused: out of range"))?;
+        if is_in_air {
+            let is_gain =
+                matches!(group, Some(Group::PositionControl | Group::AttitudeRateControl));
+            let before = self.params.get(index).unwrap_or(value);
+            if is_gain && !is_small_step(before, value) {
+                return Err(denied("Parameter refused: too large a step in the air"));
+            }
+            if let Some(rule) = broken(&changed) {
+                return Err(denied(rule.text));
+            }
+        }
+        self.params = changed;
         self.reconfigure(group.map_or(Stale::ALL, Stale::after));
         if group == Some(Group::Pendulum)
             && let Some(text) = gain_warning(&self.params)

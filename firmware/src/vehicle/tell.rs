@@ -34,9 +34,9 @@ const LASTING: [(f32, &str); 3] = [
     (1.0, "Thrust nearly exhausted"),
     (2.0, "High vibration: check propellers and mounting"),
 ];
-/// Thrust off its model, share; of the most that the position loop asks for; vibration behind the filters, m/s².
+/// Thrust off its model, share; of the most that the motors give; vibration behind the filters, m/s².
 const SCALE_OFF: f32 = 0.08;
-const EXHAUSTED: f32 = 0.9;
+const EXHAUSTED: f32 = 0.93;
 const SHAKEN: f32 = 4.0;
 
 impl<S: Scalar> Vehicle<S> {
@@ -72,7 +72,7 @@ impl<S: Scalar> Vehicle<S> {
         let thrust = estimate.thrust.to_f32();
         let holds = [
             (estimate.thrust_scale.to_f32() - 1.0).abs() > SCALE_OFF,
-            thrust > self.config.position.thrust_max.to_f32() * EXHAUSTED,
+            thrust > crate::model::thrust_max(&self.params) * EXHAUSTED,
             estimate.vibration.to_f32() > SHAKEN,
         ];
         for ((lasting, holds), (time, text)) in told.lasting.iter_mut().zip(holds).zip(LASTING) {

@@ -11,7 +11,7 @@ use super::RawSensors;
 use crate::param::Params;
 use crate::scalar::Scalar;
 use crate::signal::{AltimeterReport, RawBarometer, RawRange};
-use crate::time::{Micros, Sample};
+use crate::time::{DECIMATION, Micros, Sample};
 use witness::Witness;
 
 /// The rangefinder must have been silent this long before the barometer takes over.
@@ -54,6 +54,8 @@ pub struct Altimeter<S> {
 /// What moves.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct AltimeterState<S: Scalar> {
+    /// Since the observers went on.
+    steps: u8,
     pressure_zero: Option<i32>,
     baro_offset: S,
     ranged: Option<Sample<S>>,
@@ -100,7 +102,10 @@ impl<S: Scalar> Altimeter<S> {
         motion: &Motion<S>,
         dt: S,
     ) -> Option<Sample<S>> {
-        if !motion.rests {
+        // The acceleration is new at every fourth step.
+        state.steps = (state.steps + 1) % DECIMATION;
+        if !motion.rests && state.steps == 0 {
+            let dt = dt * S::lit(f64::from(DECIMATION));
             state.range.predict(motion.accel_up, dt);
             state.baro.predict(motion.accel_up, dt);
         }
