@@ -68,7 +68,7 @@ pub const COMBINATIONS: &[Combination] = &[
     rule("ATC_TILT_P too fast for RATE_P", |p| p.attitude_p <= 0.6 * p.rate_p),
     rule("ATC_TILT_P too small", |p| p.attitude_p >= 3.0),
     rule("ATC_RATE_MAX too small", |p| p.tilt_rate_max >= 1.0),
-    rule("RATE_P too fast for MOT_TAU", |p| p.rate_p * p.motor_tau <= 1.2),
+    rule("RATE_P too fast for MOT_TAU", |p| p.rate_p * p.motor_tau <= 2.5),
     rule("RATE_I too large for RATE_P", |p| p.rate_i <= 0.3 * p.rate_p * p.rate_p),
     rule("RATE_I or RATE_I_MAX too small", |p| p.rate_i >= 3.0 && p.rate_i_max >= 3.0),
     rule("RATE_D too large", |p| p.rate_d <= 1.0),
