@@ -37,7 +37,7 @@ const LASTING: [(f32, &str); 3] = [
 /// Thrust off its model, share; of the most that the motors give; vibration behind the filters, m/s².
 const SCALE_OFF: f32 = 0.08;
 const EXHAUSTED: f32 = 0.93;
-const SHAKEN: f32 = 4.0;
+const SHAKEN: f32 = 3.0;
 
 impl<S: Scalar> Vehicle<S> {
     pub(super) fn tell(&mut self, events: &mut EventQueue) {
