@@ -211,5 +211,6 @@ fn a_ground_station_breaks_and_mends_a_running_simulation() {
         run(flight, 1.0).sensors.altitude_is_ranged
     };
     assert!(!inject(&mut flight, 1.0), "off");
+    assert!(!inject(&mut flight, 0.5), "no type of MAVLink's: nothing mended");
     assert!(inject(&mut flight, 0.0), "on again");
 }

@@ -26,8 +26,10 @@ pub struct ImuCheck {
 /// What moves.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct ImuCheckState {
-    /// The last sample that was new.
+    /// The last sample that was new, as it is believed.
     last: Option<Sample<RawImu>>,
+    /// The same as it came.
+    came: RawImu,
     /// Newer ones are the same to the last bit.
     is_repeating: bool,
     clipped_accel: u8,
@@ -78,7 +80,7 @@ impl ImuCheck {
                 return None;
             }
             // Noise of one count makes even three equal ones unlikely.
-            state.is_repeating = last.value.accel == raw.accel && last.value.gyro == raw.gyro;
+            state.is_repeating = state.came.accel == raw.accel && state.came.gyro == raw.gyro;
             if state.is_repeating {
                 return None;
             }
@@ -92,6 +94,7 @@ impl ImuCheck {
         }
         state.clipped_accel = score(state.clipped_accel, raw.accel);
         state.clipped_gyro = score(state.clipped_gyro, raw.gyro);
+        state.came = *raw;
         state.counted += 1;
         state.last = Some(believed);
         Some(believed)
@@ -127,5 +130,28 @@ impl ImuCheck {
             Some(_) if state.is_irregular => ImuHealth::Irregular,
             Some(_) => ImuHealth::Good,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Health after a second of clipped samples that change or not.
+    fn after_a_second(reading: impl Fn(i16) -> RawImu) -> ImuHealth {
+        let check = ImuCheck::new(&Params::default(), 1000.0);
+        let mut state = ImuCheckState::default();
+        for ms in 0..1000_i16 {
+            let at = Micros(u64::from(ms.unsigned_abs()) * 1000);
+            check.step(&mut state, at, Some(&Sample { at, value: reading(ms) }));
+        }
+        check.health(&state, Micros(1_000_000))
+    }
+
+    #[test]
+    fn a_frozen_sensor_is_found_out_even_with_an_axis_at_its_end() {
+        let clipped = |x| RawImu { accel: [x, 0, i16::MAX], gyro: [0; 3], temperature: 25.0 };
+        assert_eq!(after_a_second(|ms| clipped(ms % 7)), ImuHealth::OutOfRange);
+        assert_eq!(after_a_second(|_| clipped(3)), ImuHealth::Frozen);
     }
 }

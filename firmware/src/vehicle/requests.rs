@@ -145,9 +145,11 @@ impl<S: Scalar> Vehicle<S> {
             if is_gain && !is_small_step(before, value) {
                 return Err(denied("Parameter refused: too large a step in the air"));
             }
-            if let Some(rule) = broken(&changed) {
-                return Err(denied(rule.text));
-            }
+        }
+        // Armed on the ground too: nothing looks again before the take-off.
+        let is_armed = self.situation.armed_at.is_some();
+        if let Some(rule) = broken(&changed).filter(|_| is_armed) {
+            return Err(denied(rule.text));
         }
         self.params = changed;
         self.reconfigure(group.map_or(Stale::ALL, Stale::after));

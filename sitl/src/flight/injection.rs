@@ -65,13 +65,14 @@ const TABLE: [(u8, u8, FaultKind, f64); 26] = [
 pub struct Injection {
     parser: Parser,
     sender: MavlinkSender,
+    system: u8,
 }
 
 impl Injection {
     /// Answers as the vehicle's `system` does.
     #[must_use]
     pub fn new(system: u8) -> Self {
-        Self { parser: Parser::new(), sender: MavlinkSender::new(u32::from(system), 1) }
+        Self { parser: Parser::new(), sender: MavlinkSender::new(u32::from(system), 1), system }
     }
 
     /// Takes a datagram that asks for a failure at `time` s; false: it asks for something else.
@@ -83,9 +84,11 @@ impl Injection {
         send: &mut dyn FnMut(&[u8]),
     ) -> bool {
         let mut answers = Vec::new();
+        let system = self.system;
         self.parser.push(datagram, |frame| {
             let is_command = matches!(frame.id, COMMAND_LONG_DATA::ID | COMMAND_INT_DATA::ID);
-            if is_command && frame.word(28) == INJECT_FAILURE {
+            let is_for_us = [0, system].contains(&frame.byte(30));
+            if is_command && is_for_us && frame.word(28) == INJECT_FAILURE {
                 answers.push(inject(frame, time, faults));
             }
         });
@@ -98,8 +101,10 @@ impl Injection {
 }
 
 fn inject(frame: &Frame, time: f64, faults: &mut Faults) -> MavResult {
-    // Whole numbers by MAVLink's enumerations.
-    let [unit, failure, instance] = [0, 4, 8].map(|at| frame.float(at) as u8);
+    let numbers = [0, 4, 8].map(|at| whole(frame.float(at)));
+    let [Some(unit), Some(failure), Some(instance @ 0..=8)] = numbers else {
+        return MavResult::MAV_RESULT_DENIED;
+    };
     let rows = TABLE.iter().filter(|row| row.0 == unit);
     if failure == OK {
         let mut known = false;
@@ -112,10 +117,18 @@ fn inject(frame: &Frame, time: f64, faults: &mut Faults) -> MavResult {
     let Some(&(_, _, kind, value)) = rows.clone().find(|row| row.1 == failure) else {
         return UNSUPPORTED;
     };
-    // All motors at once is no failure that a test bench knows.
-    let motor = (unit == MOTOR).then_some(usize::from(instance).clamp(1, 8));
+    // Zero is all of them. A failure that is asked for again takes the place of the first; motors fail one by one.
+    let motor = (unit == MOTOR && instance > 0).then_some(usize::from(instance));
+    if motor.is_none() {
+        faults.clear(kind);
+    }
     faults.add(FaultSection { motor, ..FaultSection::new(kind, value, time) });
     MavResult::MAV_RESULT_ACCEPTED
+}
+
+/// One of MAVLink's enumerations; what is none of them is not rounded to one.
+fn whole(x: f32) -> Option<u8> {
+    ((0.0..256.0).contains(&x) && x.fract() == 0.0).then_some(x as u8)
 }
 
 const UNSUPPORTED: MavResult = MavResult::MAV_RESULT_UNSUPPORTED;
