@@ -28,6 +28,7 @@ mod thrust_model;
 mod thrust_scale;
 mod velocity;
 mod vertical;
+mod witness;
 
 pub use crate::fault::Fault;
 pub use ekf4::{Ekf4, Ekf4Measurement, Ekf4State, Innovations, cable_jacobian, cable_reading};
@@ -37,3 +38,4 @@ pub use thrust_model::{ThrustModel, ThrustModelState};
 pub use thrust_scale::{Calibrated, ThrustCalibration, ThrustCalibrationState};
 pub use velocity::{VelocityFilter, VelocityState};
 pub use vertical::{VerticalFilter, VerticalState};
+pub use witness::Witness;

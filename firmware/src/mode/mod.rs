@@ -219,7 +219,7 @@ active_modes! {
     Altitude: sticks::Sticks;
     TetherHold: hold::Hold;
     Takeoff: takeoff::Takeoff<S>;
-    Land: land::Land;
+    Land: land::Land<S>;
     Descent: descent::Descent<S>;
     TautForce: feature::TautLink<taut::TautLink<S>>;
     TautAttitude: feature::TautLink<taut::TautLink<S>>;

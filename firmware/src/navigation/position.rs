@@ -1,5 +1,6 @@
 //! Where is the vehicle, and how hard does the tether pull? One filter of several answers, chosen by the parameters.
 
+use super::payout::Outwards;
 use super::tethered::{Stage, StageInput, Tethered, TetheredInput, TetheredState};
 use crate::estimate::MahonyState;
 use crate::estimate::capture::{CaptureFilter, CaptureState};
@@ -285,6 +286,14 @@ impl<S: Scalar> PositionFilterState<S> {
     pub fn turn(&mut self, by: S) {
         if let Some(Airborne::Tether(flying)) = &mut self.airborne {
             flying.turn(by);
+        }
+    }
+
+    /// See [`TetheredState::outwards`].
+    pub fn outwards(&self, force: &World<V3<S>>) -> Option<Outwards<S>> {
+        match &self.airborne {
+            Some(Airborne::Tether(flying)) => flying.outwards(force),
+            _ => None,
         }
     }
 

@@ -89,6 +89,8 @@ pub struct Estimate<S: Scalar = f32> {
     pub aids: AidReport,
     /// How often the line's length jumped, which was taken out.
     pub length_jumps: u16,
+    /// The winch shows the same length though the vehicle moves along the line.
+    pub length_is_stuck: bool,
     /// How often the position filter began anew in this flight.
     pub restarts: u16,
     /// Who says where the vehicle is.

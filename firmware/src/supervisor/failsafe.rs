@@ -48,6 +48,8 @@ pub enum Failure {
     LineCaught = 17,
     /// The winch pulls far more than it is asked.
     OverTension = 18,
+    /// Down where the ground should be, and it is not there.
+    LandingOverdue = 19,
 }
 
 /// Where a failure ends. Ordered by severity.
@@ -158,7 +160,7 @@ fn concerns(mode: Mode, need: impl Fn(&Needs) -> bool) -> bool {
 }
 
 /// All failures, ordered as [`Failure`].
-pub const FAILSAFES: [Failsafe; 19] = [
+pub const FAILSAFES: [Failsafe; 20] = [
     Failsafe {
         failure: Failure::ImuLost,
         text: "IMU lost: descending blind",
@@ -292,6 +294,14 @@ pub const FAILSAFES: [Failsafe; 19] = [
         is_present: |_, f| f.line.is_pulled && concerns(f.mode, |needs| needs.position),
         delay: |_| 0,
         action: |_| FailsafeAction::Land,
+    },
+    // As those two above.
+    Failsafe {
+        failure: Failure::LandingOverdue,
+        text: "Landing finds no ground: descending",
+        is_present: |_, _| false,
+        delay: |_| 0,
+        action: |_| FailsafeAction::Descend,
     },
 ];
 

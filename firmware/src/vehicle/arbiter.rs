@@ -69,7 +69,8 @@ impl<S: Scalar> Vehicle<S> {
     }
 
     fn tether_is_known(&self, sensors: &Sensors<S>) -> bool {
-        sensors.tether_is_fresh || self.config.constants.radial_control != RadialControl::Winch
+        let is_told = sensors.tether_is_fresh && !self.situation.estimate.length_is_stuck;
+        is_told || self.config.constants.radial_control != RadialControl::Winch
     }
 
     fn failsafe_facts(&self, cx: &Context<'_, S>) -> FailsafeFacts {

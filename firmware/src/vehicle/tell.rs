@@ -22,10 +22,31 @@ pub(super) struct Told {
     length_jumps: u16,
     aids: AidReport,
     altimeters: AltimeterReport,
+    /// Of [`Vehicle::tell`]'s list of what comes and goes.
+    quiet: [Quiet; 4],
     /// Of [`UNSURE`].
     heading: usize,
     /// How long it has been so: thrust off its model, thrust nearly gone, shaken, s.
     lasting: [f32; 3],
+}
+
+/// What comes and goes is told again only after it did not come for a while.
+#[derive(Clone, Copy, Debug, Default)]
+struct Quiet {
+    /// s.
+    left: f32,
+}
+
+/// s.
+const QUIET: f32 = 20.0;
+
+impl Quiet {
+    /// One outer step; whether what came now is to be told.
+    fn step(&mut self, has_come: bool) -> bool {
+        let is_quiet = self.left > 0.0;
+        self.left = if has_come { QUIET } else { (self.left - OUTER_DT as f32).max(0.0) };
+        has_come && !is_quiet
+    }
 }
 
 /// What lasts and is told once: for how long, s, and how.
@@ -42,22 +63,19 @@ const SHAKEN: f32 = 3.0;
 impl<S: Scalar> Vehicle<S> {
     pub(super) fn tell(&mut self, events: &mut EventQueue) {
         let (estimate, told) = (&self.situation.estimate, &mut self.state.told);
-        if estimate.restarts > told.restarts {
-            events.push(Event::warning("Position filter began anew"));
-        }
-        told.restarts = estimate.restarts;
-        if estimate.length_jumps > told.length_jumps {
-            events.push(Event::warning("Line length jumped: taken out"));
-        }
-        told.length_jumps = estimate.length_jumps;
         let altimeters = self.state.altimeters;
-        let news = [
-            (altimeters.range_is_rejected, told.altimeters.range_is_rejected, RANGE_REJECTED),
-            (altimeters.baro_is_rejected, told.altimeters.baro_is_rejected, BARO_REJECTED),
+        let comes = [
+            (estimate.restarts > told.restarts, "Position filter began anew"),
+            (estimate.length_jumps > told.length_jumps, "Line length jumped: taken out"),
+            (altimeters.range_is_rejected && !told.altimeters.range_is_rejected, RANGE_REJECTED),
+            (altimeters.baro_is_rejected && !told.altimeters.baro_is_rejected, BARO_REJECTED),
         ];
-        for (_, _, text) in news.into_iter().filter(|(now, before, _)| *now && !before) {
-            events.push(Event::warning(text));
+        for ((has_come, text), quiet) in comes.into_iter().zip(&mut told.quiet) {
+            if quiet.step(has_come) {
+                events.push(Event::warning(text));
+            }
         }
+        (told.restarts, told.length_jumps) = (estimate.restarts, estimate.length_jumps);
         told.altimeters = altimeters;
         let aids = estimate.aids;
         for aid in aids.rejected.without(told.aids.rejected).iter() {

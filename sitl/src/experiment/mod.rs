@@ -16,6 +16,7 @@ mod line_path;
 mod localization;
 mod pendulum;
 mod pictures;
+mod policy;
 mod report;
 mod robustness;
 mod scan;
@@ -126,7 +127,7 @@ const PENDULUM: &str = "Yang, Reis, Yu & Silvestre, flying inverted pendulum";
 const BOTH_SENSING: &str = "both sensing papers; `inertial`, `localization`";
 
 /// All of them.
-pub const EXPERIMENTS: [Experiment; 36] = [
+pub const EXPERIMENTS: [Experiment; 37] = [
     Experiment {
         key: "planar-nominal",
         paper: JOURNAL,
@@ -301,6 +302,13 @@ pub const EXPERIMENTS: [Experiment; 36] = [
         figure: "fault table",
         about: "Each fault in each phase of a flight: final state, worst touch-down, share lost",
         run: faults::run,
+    },
+    Experiment {
+        key: "policy",
+        paper: "our own",
+        figure: "rules of the house",
+        about: "random faults, parameters and requests: does any flight break a rule? (a minute)",
+        run: policy::run,
     },
     Experiment {
         key: "which-sensor",

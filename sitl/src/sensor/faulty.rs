@@ -3,6 +3,7 @@
 use crate::plant::{Generator, Plant, V3, generator, uniform};
 use crate::scenario::{FaultKind, Faults};
 use std::f64::consts::TAU;
+use tautline_firmware::signal::RawTether;
 
 /// Far beyond the range of any part.
 const BEYOND: f64 = 1e6;
@@ -112,7 +113,7 @@ pub struct EncoderFault {
     /// Of what has slipped, m.
     slipped: f64,
     last: f64,
-    stuck_at: Option<f64>,
+    stuck_at: Option<RawTether>,
 }
 
 impl EncoderFault {
@@ -120,9 +121,13 @@ impl EncoderFault {
     pub fn error(&mut self, length: f64, faults: &Faults, time: f64) -> f64 {
         self.slipped -= faults.added(FaultKind::EncoderSlip, time) * (length - self.last);
         self.last = length;
-        let shown = length + self.slipped + faults.added(FaultKind::LengthOffset, time);
+        self.slipped + faults.added(FaultKind::LengthOffset, time)
+    }
+
+    /// What a wheel shows that may not turn any more: the same to the last bit.
+    pub fn hold(&mut self, shown: RawTether, faults: &Faults, time: f64) -> RawTether {
         let is_stuck = faults.is_active(FaultKind::EncoderStuck, time);
         self.stuck_at = is_stuck.then(|| self.stuck_at.unwrap_or(shown));
-        self.stuck_at.unwrap_or(shown) - length
+        self.stuck_at.unwrap_or(shown)
     }
 }

@@ -146,7 +146,8 @@ impl SensorSuite {
         self.line = RawLineSensors::default();
         if transmits && ms.is_multiple_of(WINCH_MS) {
             let extra = self.encoder.error(plant.tether.length(), faults, time);
-            self.winch = Some(self.station.length(plant, extra, &self.noise, &mut self.rng));
+            let shown = self.station.length(plant, extra, &self.noise, &mut self.rng);
+            self.winch = Some(self.encoder.hold(shown, faults, time));
             if self.noise.tension_cell {
                 self.line.station_tension = Some(self.station.tension(plant, &mut self.rng));
             }

@@ -10,6 +10,8 @@ use crate::signal::FilterHealth;
 
 /// How long the innovations must fail, steps: 1 s.
 const STEPS: u16 = 250;
+/// Of a length, that it counts, steps: 0.1 s.
+const HEARD: u16 = 25;
 /// Cosine of 8 degrees between the filter's down axis and the attitude filter's; 0.5 s.
 const TILT_COS: f64 = 0.990_268;
 const TILT_STEPS: u16 = 125;
@@ -28,6 +30,8 @@ const LENGTH_SHARE: f64 = 0.016;
 pub(super) struct FullHealth<S: Scalar> {
     pub means: FilterHealth<S>,
     failed_steps: u16,
+    /// Since the length was last heard of: old ones are no witness.
+    unheard_steps: u16,
     broken_steps: u16,
     tilted_steps: u16,
 }
@@ -38,6 +42,7 @@ impl<S: Scalar> Default for FullHealth<S> {
         Self {
             means: FilterHealth { accel: one, altitude: one, length: one },
             failed_steps: 0,
+            unheard_steps: 0,
             broken_steps: 0,
             tilted_steps: 0,
         }
@@ -56,6 +61,7 @@ impl<S: Scalar> FullHealth<S> {
 
     pub fn length(&mut self, nis: S) {
         follow(&mut self.means.length, LENGTH_SHARE, nis);
+        self.unheard_steps = 0;
     }
 
     /// The filter must begin anew: nothing that flies explains it. One step. While the line `jerks` the accelerometer is no
@@ -66,7 +72,8 @@ impl<S: Scalar> FullHealth<S> {
         let most = FilterHealth::FULL_STATE_MOST;
         let fails = (m.accel > S::from_f32(most.accel) && !jerks)
             || m.altitude > S::from_f32(most.altitude)
-            || m.length > S::from_f32(most.length);
+            || (m.length > S::from_f32(most.length) && self.unheard_steps < HEARD);
+        self.unheard_steps = self.unheard_steps.saturating_add(1);
         self.failed_steps = count(fails, self.failed_steps);
         let down = so3::col_z(&state.attitude.0);
         let cos = so3::dot(&down, &so3::col_z(&sit.attitude.0));

@@ -113,7 +113,7 @@ pub(super) struct FullFlightState<S: Scalar> {
     is_rate_next: bool,
     /// Restarts lately.
     heat: S,
-    load: Load<S>,
+    pub load: Load<S>,
     /// Of the accelerometer, behind the low-pass.
     reading: V3<S>,
     /// It is not believed.

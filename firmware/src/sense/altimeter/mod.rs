@@ -5,14 +5,12 @@
 //! inertia cannot tell, it is the barometer, since the rangefinder sees the ground on which one lands. The barometer's
 //! zero follows the rangefinder slowly and only while they agree, off the ground's cushion of air.
 
-mod witness;
-
 use super::RawSensors;
+use crate::estimate::Witness;
 use crate::param::Params;
 use crate::scalar::Scalar;
 use crate::signal::{AltimeterReport, RawBarometer, RawRange};
 use crate::time::{DECIMATION, Micros, Sample};
-use witness::Witness;
 
 /// The rangefinder must have been silent this long before the barometer takes over.
 const RANGE_HOLD_US: u64 = 300_000;

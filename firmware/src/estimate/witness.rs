@@ -1,9 +1,10 @@
-//! One altimeter against inertia: does what it shows fit how the vehicle is accelerated?
+//! One measured distance against inertia, an altimeter's or a winch encoder's: does what it shows fit how the vehicle is
+//! accelerated along it?
 
-use crate::estimate::{VerticalFilter, VerticalState};
+use super::{VerticalFilter, VerticalState};
 use crate::scalar::Scalar;
 
-/// Bandwidth of the observer, rad/s: slow, so that what the altimeter invents is seen as its error.
+/// Bandwidth of the observer, rad/s: slow, so that what the sensor invents is seen as its error.
 const BANDWIDTH: f64 = 1.0;
 /// The error's low-pass and how long its peak is remembered, s.
 const ERROR_TIME: f64 = 0.4;
@@ -11,12 +12,13 @@ const PEAK_TIME: f64 = 3.0;
 /// Of its size, without sign, s.
 const ROUGH_TIME: f64 = 1.0;
 
-/// What is known of one altimeter.
+/// What is known of one sensor.
 #[derive(Clone, Copy, Debug)]
 pub struct Witness<S> {
-    /// By its altitudes and inertia.
+    /// By its readings and inertia.
     pub observer: VerticalState<S>,
-    error: S,
+    /// Low-passed, m.
+    pub error: S,
     /// Largest error of late, m.
     pub peak: S,
     /// Mean size of its error, m.
@@ -36,34 +38,34 @@ impl<S: Scalar> Witness<S> {
         VerticalFilter { bandwidth: S::lit(BANDWIDTH), fade: S::lit(5.0) }
     }
 
-    /// `dt` s under an upward acceleration, m/s².
-    pub fn predict(&mut self, accel_up: S, dt: S) {
-        Self::filter().predict(&mut self.observer, accel_up, dt, true);
+    /// `dt` s under an acceleration along it, m/s².
+    pub fn predict(&mut self, accel: S, dt: S) {
+        Self::filter().predict(&mut self.observer, accel, dt, true);
     }
 
-    /// How far an altitude is from what inertia expects, m.
-    pub fn error_of(&self, altitude: S) -> S {
-        if self.is_begun { altitude - self.observer.height } else { S::zero() }
+    /// How far a reading is from what inertia expects, m.
+    pub fn error_of(&self, reading: S) -> S {
+        if self.is_begun { reading - self.observer.height } else { S::zero() }
     }
 
-    /// Takes an altitude, `dt` s after the one before.
-    pub fn take(&mut self, altitude: S, dt: S) {
-        let error = self.error_of(altitude);
+    /// Takes a reading, `dt` s after the one before.
+    pub fn take(&mut self, reading: S, dt: S) {
+        let error = self.error_of(reading);
         let share = |time: f64| (dt * S::lit(1.0 / time)).min(S::one());
         self.error += (error - self.error) * share(ERROR_TIME);
         self.rough += (error.abs() - self.rough) * share(ROUGH_TIME);
         self.peak = (self.peak - self.peak * share(PEAK_TIME)).max(self.error.abs());
         if self.is_begun {
-            Self::filter().correct(&mut self.observer, altitude, dt);
+            Self::filter().correct(&mut self.observer, reading, dt);
         } else {
             self.is_begun = true;
-            self.stand(altitude);
+            self.stand(reading);
         }
     }
 
-    /// It stands at this altitude.
-    pub fn stand(&mut self, altitude: S) {
-        self.observer = VerticalState { height: altitude, ..VerticalState::default() };
+    /// It stands at this reading.
+    pub fn stand(&mut self, reading: S) {
+        self.observer = VerticalState { height: reading, ..VerticalState::default() };
     }
 
     /// Its zero has moved by a little, m.
