@@ -121,7 +121,7 @@ single! {
     Capture { position, heading }
     Battery { voltage, current, drawn, cell, remaining }
     Sensors {
-        imu, altitude, tether_length, capture, velocity, rod, line, battery;
+        imu, altitude, tether_length, capture, velocity, rod, line, battery, altitude_error;
         imu_health, imu_is_held, accel_is_believed, altitude_is_fresh, altitude_is_ranged, altimeters, tether_is_fresh, imu_temperature
     }
     LineSensors { direction, tension, station_tension, station_direction, magnetic, second_imu }

@@ -19,6 +19,8 @@ pub struct Witness<S> {
     pub observer: VerticalState<S>,
     /// Low-passed, m.
     pub error: S,
+    /// Of the last reading, m.
+    pub last: S,
     /// Largest error of late, m.
     pub peak: S,
     /// Mean size of its error, m.
@@ -29,7 +31,14 @@ pub struct Witness<S> {
 impl<S: Scalar> Default for Witness<S> {
     fn default() -> Self {
         let o = S::zero();
-        Self { observer: VerticalState::default(), error: o, peak: o, rough: o, is_begun: false }
+        Self {
+            observer: VerticalState::default(),
+            error: o,
+            last: o,
+            peak: o,
+            rough: o,
+            is_begun: false,
+        }
     }
 }
 
@@ -52,6 +61,7 @@ impl<S: Scalar> Witness<S> {
     pub fn take(&mut self, reading: S, dt: S) {
         let error = self.error_of(reading);
         let share = |time: f64| (dt * S::lit(1.0 / time)).min(S::one());
+        self.last = error;
         self.error += (error - self.error) * share(ERROR_TIME);
         self.rough += (error.abs() - self.rough) * share(ROUGH_TIME);
         self.peak = (self.peak - self.peak * share(PEAK_TIME)).max(self.error.abs());

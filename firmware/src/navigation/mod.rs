@@ -36,7 +36,7 @@ use drift::Drift;
 use full_state::Height;
 use heading::HeadingDrift;
 use lift_off::{LiftOff, LiftOffState};
-use payout::PayoutState;
+use payout::{Inertia, PayoutState};
 use position::{PositionFilter, PositionFilterState};
 use shake::Shake;
 use tethered::{StageInput, TetheredInput};
@@ -280,7 +280,11 @@ impl<S: Scalar> Navigation<S> {
         state.accel_up = accel_up;
         self.vertical.predict(&mut state.vertical, accel_up, dt, sensors.altitude_is_fresh);
         self.position.predict(&mut state.position, &force);
-        state.payout.predict(state.position.outwards(&force), dt);
+        let inertia = Inertia {
+            is_known: sensors.accel_is_believed && !sensors.imu_is_held,
+            error: sensors.altitude_error,
+        };
+        state.payout.predict(state.position.outwards(&force), &inertia, dt);
         match phase {
             Phase::Resting => {
                 if let Some(attitude) = self.position.rest(&mut state.position) {

@@ -1,5 +1,6 @@
 //! Line does not jump: what a winch's encoder shows from one reading to the next beyond what a drum can turn, or what
-//! inertia along the line contradicts, is the encoder's own, slipped, stuck or reset, and is taken out for good.
+//! inertia along the line contradicts, is the encoder's own, slipped, stuck or reset. It is kept from the filter, and if
+//! it stays, taken out for good. A line that hangs slack for a moment comes back by itself.
 
 use crate::estimate::Witness;
 use crate::scalar::Scalar;
@@ -10,14 +11,23 @@ const FASTEST: f64 = 8.0;
 const STEP: f64 = 0.25;
 /// After so long without a reading, s, line may have gone out unseen.
 const GAP: f32 = 0.5;
-/// Off what inertia expects, m: to be kept back, and, low-passed, to be taken out.
+/// Off what inertia expects, m: in doubt.
 const SUSPECT: f64 = 0.1;
-/// And so long afterwards, s.
-const PROOF: f64 = 0.3;
-/// One that shows the same to the last bit for so long, s, while the vehicle moves by this, m, is stuck.
+/// It agrees with the filter, that coasts meanwhile, within this, m, for so long, s: believed again.
+const AGREES: f64 = 0.12;
+const AGREES_TIME: f64 = 0.3;
+/// In doubt for longer, s, it is taken out, or believed if it is within this of the filter, m.
+const PATIENCE: f64 = 1.2;
+const BELIEVED: f64 = 0.2;
+/// What inertia and the altimeters are apart counts so often. A sensor that was silent is no witness for a while, s.
+const MARGIN: f64 = 2.0;
+const BLIND: f64 = 2.0;
+/// One that shows the same to the last bit is stuck: for so long, s, while the vehicle moves by this, m; or for so long,
+/// s, and so many times longer than ever before in this flight.
 const STUCK_TIME: f64 = 0.2;
 const STUCK_WAY: f64 = 0.06;
-const ERROR_MOST: f64 = 0.2;
+const STILL_TIME: f64 = 2.0;
+const STILL_TIMES: f64 = 4.0;
 
 /// The distance from the anchor as the filter knows it, m, its rate, m/s, and the acceleration along it, m/s².
 #[derive(Clone, Copy, Debug)]
@@ -25,6 +35,24 @@ pub(super) struct Outwards<S> {
     pub distance: S,
     pub rate: S,
     pub accel: S,
+    /// What else is measured fits it.
+    pub is_sound: bool,
+}
+
+/// What is known of the inertial sensor.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Inertia<S> {
+    /// It is heard and believed.
+    pub is_known: bool,
+    /// How far it is from what the altimeters show, m.
+    pub error: S,
+}
+
+/// Since when what is shown is in doubt, and since when it agrees again, s.
+#[derive(Clone, Copy, Debug)]
+struct Doubt<S> {
+    lasts: S,
+    agrees: S,
 }
 
 /// What moves.
@@ -38,12 +66,14 @@ pub(super) struct PayoutState<S> {
     /// While the vehicle hangs on the taut line.
     witness: Option<Witness<S>>,
     outwards: Option<Outwards<S>>,
-    /// How long it has shown the same, s.
+    /// Since when the inertial sensor was silent, it is no witness for so long, s.
+    blind: S,
+    /// What it is off by itself, m.
+    margin: S,
+    doubt: Option<Doubt<S>>,
+    /// How long it has shown the same, s, and the longest so far in this flight.
     same: S,
-    /// How long it must still agree, s.
-    proof: S,
-    /// It has shown what is not so, and takes the filter's distance when it is believed again.
-    rejoins: bool,
+    longest: S,
     /// It does not move though the vehicle does.
     pub is_stuck: bool,
 }
@@ -57,96 +87,109 @@ impl<S: Scalar> PayoutState<S> {
             jumps: 0,
             witness: None,
             outwards: None,
+            blind: o,
+            margin: o,
+            doubt: None,
             same: o,
-            proof: o,
-            rejoins: false,
+            longest: o,
             is_stuck: false,
         }
     }
 
     /// `dt` s on; `None` while the line does not say where the vehicle is.
-    pub fn predict(&mut self, outwards: Option<Outwards<S>>, dt: S) {
+    pub fn predict(&mut self, outwards: Option<Outwards<S>>, inertia: &Inertia<S>, dt: S) {
+        let is_sound = outwards.is_none_or(|outwards| outwards.is_sound);
+        self.blind = if inertia.is_known && is_sound { self.blind - dt } else { S::lit(BLIND) };
+        self.blind = self.blind.max(S::zero());
+        self.margin = inertia.error.abs() * S::lit(MARGIN);
         match &outwards {
-            Some(outwards) => self.witness.get_or_insert_default().predict(outwards.accel, dt),
-            None => self.witness = None,
+            Some(outwards) if self.blind <= S::zero() => {
+                self.witness.get_or_insert_default().predict(outwards.accel, dt);
+            }
+            _ => (self.witness, self.doubt) = (None, None),
         }
         self.outwards = outwards;
-    }
-
-    fn take_out(&mut self, shift: S) {
-        self.offset += shift;
-        self.jumps = self.jumps.saturating_add(1);
-        // There and back again leaves no offset, but for the line that moved meanwhile.
-        if self.offset.abs() < S::lit(STEP) {
-            self.offset = S::zero();
-        }
     }
 
     /// The line that is out, m; `None` while what is shown is in doubt.
     pub fn step(&mut self, shown: Sample<S>) -> Option<Sample<S>> {
         if let Some(last) = self.last.replace(shown) {
             let dt = shown.at.seconds_since(last.at);
-            let was_in_doubt = self.proof > S::zero();
-            self.proof = (self.proof - S::from_f32(dt)).max(S::zero());
-            if was_in_doubt && self.proof <= S::zero() && core::mem::take(&mut self.rejoins) {
-                self.join(shown.value);
-            }
             let way = shown.value - last.value;
             let most = S::lit(STEP) + S::from_f32(dt.min(GAP)) * S::lit(FASTEST);
-            self.watch(way, S::from_f32(dt));
+            let seconds = S::from_f32(dt.min(GAP));
+            self.watch(way, seconds);
             if self.is_stuck {
-                self.rejoins = true;
-                self.proof = S::lit(PROOF);
                 self.stand();
                 return None;
             }
             if dt < GAP && way.abs() > most {
-                self.take_out(way);
+                self.offset += way;
+                self.jumps = self.jumps.saturating_add(1);
+                // There and back again leaves no offset, but for the line that moved meanwhile.
+                if self.offset.abs() < S::lit(STEP) {
+                    self.offset = S::zero();
+                }
             } else {
-                self.compare(shown.value, S::from_f32(dt.min(GAP)));
+                self.compare(shown.value, seconds);
             }
         }
         let value = (shown.value - self.offset).max(S::zero());
-        let error = self.witness.map_or(S::zero(), |witness| witness.error_of(value));
-        if error.abs() > S::lit(SUSPECT) {
-            self.proof = S::lit(PROOF);
-        }
-        (self.proof <= S::zero()).then_some(Sample { at: shown.at, value })
+        self.doubt.is_none().then_some(Sample { at: shown.at, value })
     }
 
     fn watch(&mut self, way: S, dt: S) {
+        let was_stuck = self.is_stuck;
         if way.abs() > S::zero() {
+            if self.outwards.is_some() && !was_stuck {
+                self.longest = self.longest.max(self.same);
+            }
             (self.same, self.is_stuck) = (S::zero(), false);
+            if was_stuck {
+                self.begin_doubt();
+            }
             return;
         }
         self.same += dt;
-        let error = |witness: &Witness<S>| {
-            let shown = self.last.map_or(S::zero(), |last| last.value - self.offset);
-            witness.error_of(shown).abs() > S::lit(STUCK_WAY)
-        };
-        self.is_stuck |= self.same > S::lit(STUCK_TIME) && self.witness.as_ref().is_some_and(error);
+        let Some(witness) = &self.witness else { return };
+        let shown = self.last.map_or(S::zero(), |last| last.value - self.offset);
+        let moves = witness.error_of(shown).abs() > S::lit(STUCK_WAY) + self.margin;
+        // What was never seen to move in this flight says nothing by standing still.
+        let still = S::lit(STILL_TIME).max(self.longest * S::lit(STILL_TIMES));
+        let is_still = self.longest > S::zero() && self.same > still;
+        self.is_stuck |= is_still || (moves && self.same > S::lit(STUCK_TIME));
+    }
+
+    fn begin_doubt(&mut self) {
+        self.doubt.get_or_insert(Doubt { lasts: S::zero(), agrees: S::zero() });
     }
 
     fn compare(&mut self, shown: S, dt: S) {
-        let Some(witness) = &mut self.witness else { return };
+        let (Some(witness), Some(outwards)) = (&mut self.witness, self.outwards) else { return };
         let length = shown - self.offset;
-        witness.take(length, dt);
-        if witness.error.abs() > S::lit(ERROR_MOST) {
-            self.jumps = self.jumps.saturating_add(1);
-            self.rejoins = true;
-            self.join(shown);
+        let is_suspect = witness.error_of(length).abs() > S::lit(SUSPECT) + self.margin;
+        if self.doubt.is_none() && !is_suspect {
+            witness.take(length, dt);
+            return;
         }
-    }
-
-    /// What is shown is the filter's distance from now on: the filter was kept from what it showed, the witness has
-    /// followed a little.
-    fn join(&mut self, shown: S) {
-        if let Some(outwards) = &self.outwards {
+        let off = (length - outwards.distance).abs();
+        self.begin_doubt();
+        let Some(doubt) = &mut self.doubt else { return };
+        doubt.lasts += dt;
+        let agrees = off < S::lit(AGREES) + self.margin;
+        doubt.agrees = if agrees { doubt.agrees + dt } else { S::zero() };
+        let is_over = doubt.lasts > S::lit(PATIENCE);
+        if is_over && off > S::lit(BELIEVED) + self.margin {
             self.offset = shown - outwards.distance;
-            self.stand();
+            self.jumps = self.jumps.saturating_add(1);
         }
+        if is_over || doubt.agrees > S::lit(AGREES_TIME) {
+            self.doubt = None;
+        }
+        self.stand();
     }
 
+    /// The witness begins anew where the filter is.
     fn stand(&mut self) {
         if let (Some(witness), Some(outwards)) = (&mut self.witness, &self.outwards) {
             witness.shift(S::zero());
@@ -188,6 +231,8 @@ mod tests {
         assert_eq!(show(&mut state, 2000, 9.0), Some(9.0));
     }
 
+    const SOUND: Inertia<f64> = Inertia { is_known: true, error: 0.0 };
+
     /// 50 Hz for so many s: `shown` and what the vehicle does, over the time since then.
     fn fly(
         state: &mut PayoutState<f64>,
@@ -199,7 +244,7 @@ mod tests {
         let steps = (seconds * 50.0) as u32;
         let one = |step: u32| {
             let time = f64::from(step) * 0.02;
-            (0..5).for_each(|_| state.predict(Some(truth(time)), 0.004));
+            (0..5).for_each(|_| state.predict(Some(truth(time)), &SOUND, 0.004));
             let at = Micros(((from + time) * 1e6) as u64);
             state.step(Sample { at, value: shown(time) }).map(|sample| sample.value)
         };
@@ -207,7 +252,7 @@ mod tests {
     }
 
     fn at_rest(_: f64) -> Outwards<f64> {
-        Outwards { distance: 7.0, rate: 0.0, accel: 0.0 }
+        Outwards { distance: 7.0, rate: 0.0, accel: 0.0, is_sound: true }
     }
 
     #[test]
@@ -229,7 +274,12 @@ mod tests {
         assert!(!state.is_stuck, "nothing moves");
         let leaves = |t: f64| {
             let rate = (0.5 * t).min(0.5);
-            Outwards { distance: 7.0 + 0.5 * t, rate, accel: if t < 1.0 { 0.5 } else { 0.0 } }
+            Outwards {
+                distance: 7.0 + 0.5 * t,
+                rate,
+                accel: if t < 1.0 { 0.5 } else { 0.0 },
+                is_sound: true,
+            }
         };
         fly(&mut state, 5.0, 2.0, |_| 7.0, leaves);
         assert!(state.is_stuck);

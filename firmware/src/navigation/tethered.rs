@@ -11,7 +11,7 @@ use crate::estimate::{
 };
 use crate::feature;
 use crate::frames::{Attitude, Body, V3, World};
-use crate::math::{GRAVITY, so3};
+use crate::math::so3;
 use crate::model::{Line, TetherKind};
 use crate::param::Params;
 use crate::scalar::Scalar;
@@ -20,8 +20,6 @@ use crate::time::{OUTER_DT, Sample};
 
 /// Of the variance of what shakes the accelerometer, that passes the full-state filter's low-pass.
 const SHAKE_SHARE: f64 = 1.0;
-/// Along a shorter line there is no direction, m.
-const DISTANCE_MIN: f64 = 0.3;
 
 /// Configuration.
 #[derive(Clone, Copy, Debug)]
@@ -255,17 +253,9 @@ impl<S: Scalar> TetheredState<S> {
         Some(full.state.attitude)
     }
 
-    /// The distance from the anchor under a specific force, m/s², while the full-state filter flies on a taut line.
+    /// See [`FullFlightState::outwards`].
     pub fn outwards(&self, force: &World<V3<S>>) -> Option<Outwards<S>> {
-        let full = self.full.as_ref().filter(|full| !full.is_touching && full.load.is_taut)?;
-        let (place, velocity) = (full.state.position, full.state.velocity);
-        let distance = so3::norm(&place).max(S::lit(DISTANCE_MIN));
-        let out = place / distance;
-        let along = so3::dot(&out, &velocity);
-        let turning = (so3::dot(&velocity, &velocity) - along * along) / distance;
-        let acceleration = force.0 + V3::new(S::zero(), S::zero(), S::lit(GRAVITY));
-        let accel = so3::dot(&out, &acceleration) + turning;
-        Some(Outwards { distance, rate: along, accel })
+        self.full.as_ref()?.outwards(force)
     }
 
     /// Of the full-state filter while it flies.

@@ -146,6 +146,8 @@ pub struct Sensors<S: Scalar = f32> {
     pub altitude_is_fresh: bool,
     /// Whether the altitude comes from the rangefinder (else from the barometer).
     pub altitude_is_ranged: bool,
+    /// How far inertia is from what the altimeters show, m.
+    pub altitude_error: S,
     /// Which altimeter is not believed.
     pub altimeters: AltimeterReport,
     /// Whether a tether length arrived within its time-out.

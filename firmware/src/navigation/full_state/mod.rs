@@ -8,6 +8,7 @@ mod aids;
 mod answer;
 mod health;
 mod line;
+mod outwards;
 mod rows;
 mod slack;
 
@@ -113,7 +114,7 @@ pub(super) struct FullFlightState<S: Scalar> {
     is_rate_next: bool,
     /// Restarts lately.
     heat: S,
-    pub load: Load<S>,
+    load: Load<S>,
     /// Of the accelerometer, behind the low-pass.
     reading: V3<S>,
     /// It is not believed.

@@ -236,6 +236,17 @@ impl<S: Scalar> Altimeter<S> {
         is_fresh && state.is_ranged
     }
 
+    /// How far inertia is from what the altimeters show, m: from the nearer one, for a single one may lie.
+    pub fn error(&self, state: &AltimeterState<S>, now: Micros) -> S {
+        let size = |witness: &Witness<S>| witness.error.abs().max(witness.last.abs());
+        let range = fresh(state.ranged, now).map(|_| size(&state.range));
+        let baro = fresh(state.barometric, now).map(|_| size(&state.baro));
+        match (range, baro) {
+            (Some(range), Some(baro)) => range.min(baro),
+            (one, other) => one.or(other).unwrap_or(S::zero()),
+        }
+    }
+
     /// Which of the two is not believed.
     pub fn report(&self, state: &AltimeterState<S>) -> AltimeterReport {
         state.report
