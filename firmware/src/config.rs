@@ -11,7 +11,7 @@ use crate::navigation::Navigation;
 use crate::param::{Group, Params};
 use crate::scalar::Scalar;
 use crate::sense::{ImuScale, Sense};
-use crate::supervisor::{Failsafes, TouchDown};
+use crate::supervisor::{Failsafes, RotorWatch, TouchDown};
 use crate::trajectory::Planner;
 
 /// Everything but what moves.
@@ -26,6 +26,7 @@ pub(crate) struct Config<S: Scalar> {
     pub climb: ClimbLoop<S>,
     pub rate: RateLoop<S>,
     pub mixer: Mixer<S>,
+    pub rotor_watch: Option<RotorWatch<S>>,
     pub thrust_map: ThrustMap<S>,
     pub failsafes: Failsafes,
     pub touch_down: TouchDown<S>,
@@ -203,6 +204,7 @@ impl<S: Scalar> Config<S> {
             climb: climb(p),
             rate: RateLoop::new(p),
             mixer: Mixer::new(p),
+            rotor_watch: RotorWatch::new(p),
             thrust_map: ThrustMap::new(p),
             failsafes: Failsafes::new(p),
             touch_down: touch_down(p),
@@ -226,6 +228,7 @@ impl<S: Scalar> Config<S> {
                 self.climb = climb(p);
                 self.rate = RateLoop::new(p);
                 self.mixer = Mixer::new(p);
+                self.rotor_watch = RotorWatch::new(p);
                 self.thrust_map = ThrustMap::new(p);
             }
             Part::Supervisor => {

@@ -73,6 +73,11 @@ impl<P: SetDutyCycle, const N: usize> MotorOutputs<P, N> {
         self.write(&[0.0; N])
     }
 
+    /// How many motors there may be.
+    pub const fn len(&self) -> usize {
+        N
+    }
+
     /// The channels, for their owner.
     pub fn channels_mut(&mut self) -> &mut [P; N] {
         &mut self.channels

@@ -63,7 +63,8 @@ impl<SPI: SpiDevice, PWM: SetDutyCycle> InnerLoop<SPI, PWM> {
     /// On the ground, disarmed; `spi` is the inertial sensor's.
     pub fn new(spi: SPI, motors: MotorOutputs<PWM>, params: Params) -> Self {
         let imu = Icm42688::new(spi, icm42688::Config::default());
-        let vehicle = vehicle(params, scale(&imu));
+        let mut vehicle = vehicle(params, scale(&imu));
+        vehicle.set_outputs(motors.len());
         Self { imu, motors, vehicle }
     }
 

@@ -17,9 +17,74 @@ pub struct Rotor {
 /// All rotors, in the order of the motor outputs.
 pub type Rotors = PerRotor<Rotor>;
 
-/// X frame: front right, rear left, front left, rear right; the first two yaw the nose to the right.
-const QUAD_X: [(f32, f32, f32); 4] =
-    [(1.0, 1.0, 1.0), (-1.0, -1.0, 1.0), (1.0, -1.0, -1.0), (-1.0, 1.0, -1.0)];
+/// Table of a frame: x, y, spin of each rotor.
+type Table = &'static [(f32, f32, f32)];
+
+/// Sines of 22.5 and 67.5 degrees, of 45, of 60.
+const S22: f32 = 0.382_683_43;
+const S67: f32 = 0.923_879_5;
+const S45: f32 = core::f32::consts::FRAC_1_SQRT_2;
+const S60: f32 = 0.866_025_4;
+
+/// By `VEH_FRAME`; outputs numbered as PX4 and ArduPilot number them. The quad X and the coaxial frame sit on the corners
+/// of a square of two arms' width, the others on a circle of one arm's radius.
+const FRAMES: [Table; 7] = [
+    // X frame: front right, rear left, front left, rear right; the first two yaw the nose to the right.
+    &[(1.0, 1.0, 1.0), (-1.0, -1.0, 1.0), (1.0, -1.0, -1.0), (-1.0, 1.0, -1.0)],
+    // Plus.
+    &[(0.0, 1.0, 1.0), (0.0, -1.0, 1.0), (1.0, 0.0, -1.0), (-1.0, 0.0, -1.0)],
+    // Hexa X.
+    &[
+        (0.0, 1.0, -1.0),
+        (0.0, -1.0, 1.0),
+        (S60, -0.5, -1.0),
+        (-S60, 0.5, 1.0),
+        (S60, 0.5, 1.0),
+        (-S60, -0.5, -1.0),
+    ],
+    // Hexa plus.
+    &[
+        (1.0, 0.0, -1.0),
+        (-1.0, 0.0, 1.0),
+        (-0.5, -S60, -1.0),
+        (0.5, S60, 1.0),
+        (0.5, -S60, 1.0),
+        (-0.5, S60, -1.0),
+    ],
+    // Octo X.
+    &[
+        (S67, S22, -1.0),
+        (-S67, -S22, -1.0),
+        (S22, S67, 1.0),
+        (-S67, S22, 1.0),
+        (S67, -S22, 1.0),
+        (-S22, -S67, 1.0),
+        (S22, -S67, -1.0),
+        (-S22, S67, -1.0),
+    ],
+    // Octo plus.
+    &[
+        (1.0, 0.0, -1.0),
+        (-1.0, 0.0, -1.0),
+        (S45, S45, 1.0),
+        (-S45, S45, 1.0),
+        (S45, -S45, 1.0),
+        (-S45, -S45, 1.0),
+        (0.0, -1.0, -1.0),
+        (0.0, 1.0, -1.0),
+    ],
+    // Coaxial octo on an X: four above, four below that turn the other way.
+    &[
+        (1.0, 1.0, 1.0),
+        (1.0, -1.0, -1.0),
+        (-1.0, -1.0, 1.0),
+        (-1.0, 1.0, -1.0),
+        (1.0, -1.0, 1.0),
+        (1.0, 1.0, -1.0),
+        (-1.0, 1.0, 1.0),
+        (-1.0, -1.0, -1.0),
+    ],
+];
 
 /// Terms that couple two axes may be so large, as a share of the rotors' number.
 const COUPLING: f32 = 1e-3;
@@ -48,15 +113,20 @@ impl Rotors {
 
     /// The vehicle's.
     #[must_use]
-    pub fn of(_: &Params) -> Self {
-        Self::try_new(&QUAD_X).unwrap_or_default()
+    pub fn of(p: &Params) -> Self {
+        Self::try_new(table(p)).unwrap_or_default()
     }
+}
+
+fn table(p: &Params) -> Table {
+    let [quad, ..] = FRAMES;
+    FRAMES.get(p.frame as usize).copied().unwrap_or(quad)
 }
 
 /// Thrust of all rotors together at full throttle and nominal voltage, N.
 #[must_use]
 pub fn thrust_max(p: &Params) -> f32 {
-    QUAD_X.len() as f32 * p.rotor_thrust_max
+    table(p).len() as f32 * p.rotor_thrust_max
 }
 
 #[cfg(test)]
@@ -64,13 +134,23 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_quad_is_a_table_and_a_skewed_one_is_refused() {
-        assert_eq!(Rotors::of(&Params::default()).len(), 4);
+    fn every_frame_is_a_table_without_coupling() {
+        let counts = [4, 4, 6, 6, 8, 8, 8];
+        for (frame, count) in counts.into_iter().enumerate() {
+            let p = Params { frame: frame as f32, ..Params::default() };
+            assert_eq!(Rotors::of(&p).len(), count, "frame {frame}");
+            assert_eq!(thrust_max(&p), count as f32 * p.rotor_thrust_max);
+        }
+    }
+
+    #[test]
+    fn a_skewed_table_and_one_of_too_many_rotors_are_refused() {
+        let [quad, ..] = FRAMES;
         assert!(Rotors::try_new(&[(1.0, 1.0, 1.0); 9]).is_none());
-        let mut skewed = QUAD_X;
+        let mut skewed = quad.to_vec();
         skewed[0].0 = 1.5;
         assert!(Rotors::try_new(&skewed).is_none());
-        let no_yaw = QUAD_X.map(|(x, y, _)| (x, y, 0.0));
+        let no_yaw: std::vec::Vec<_> = quad.iter().map(|&(x, y, _)| (x, y, 0.0)).collect();
         assert!(Rotors::try_new(&no_yaw).is_none());
     }
 }

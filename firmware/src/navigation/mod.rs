@@ -42,7 +42,7 @@ use shake::Shake;
 use tethered::{StageInput, TetheredInput};
 
 /// Over this height the feet can't touch, m.
-const CLEAR: f64 = 0.3;
+pub(crate) const CLEAR: f64 = 0.3;
 /// From one count of the heading's drift to the next: 1 s.
 const HEADING_STEPS: u8 = 250;
 /// Of a compass at rest, at 250 Hz, rad, and of what an operator says.

@@ -13,7 +13,9 @@ params! {
         inertia_y: "VEH_IYY" Real ["kg m^2"] = 0.016 in 0.0001 ..= 10.0;
         /// Moment of inertia about the down axis.
         inertia_z: "VEH_IZZ" Real ["kg m^2"] = 0.029 in 0.0001 ..= 10.0;
-        /// Distance of each rotor from the centre of mass along the nose axis and the right-hand axis (X frame).
+        /// Rotors: 0 quad X, 1 quad +, 2 hexa X, 3 hexa +, 4 octo X, 5 octo +, 6 coaxial octo X, numbered as PX4 and ArduPilot do.
+        frame: "VEH_FRAME" Int [""] = 0.0 in 0.0 ..= 6.0;
+        /// Distance of each rotor from the centre of mass: along the nose axis and the right-hand axis (quad X and coaxial octo), else straight.
         arm: "VEH_ARM" Real ["m"] = 0.177 in 0.03 ..= 2.0;
         /// Rotor drag torque per thrust.
         torque_ratio: "VEH_CQ" Real ["m"] = 0.0167 in 0.001 ..= 0.2;

@@ -6,6 +6,10 @@ use crate::signal::ImuHealth;
 /// What the checks look at.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ArmingFacts {
+    /// The frame has no more rotors than the board has outputs.
+    pub outputs_suffice: bool,
+    /// One gave no thrust in the last flight.
+    pub rotor_is_lost: bool,
     /// State of the inertial sensor.
     pub imu: ImuHealth,
     /// The inertial sensor sits in a known way.
@@ -53,7 +57,7 @@ pub struct ArmingCheck {
 }
 
 /// All checks, in the order in which they are reported. A table: rows look alike.
-pub const ARMING_CHECKS: [ArmingCheck; 16] = [
+pub const ARMING_CHECKS: [ArmingCheck; 18] = [
     ArmingCheck {
         name: "imu present",
         text: "Arming denied: IMU: no data",
@@ -133,6 +137,18 @@ pub const ARMING_CHECKS: [ArmingCheck; 16] = [
         passes: |f| f.cell.is_some_and(|v| v > f.cell_low),
     },
     ArmingCheck {
+        name: "outputs",
+        text: "Arming denied: board has too few motor outputs",
+        may_be_forced: false,
+        passes: |f| f.outputs_suffice,
+    },
+    ArmingCheck {
+        name: "rotors",
+        text: "Arming denied: rotor lost, repair and restart",
+        may_be_forced: false,
+        passes: |f| !f.rotor_is_lost,
+    },
+    ArmingCheck {
         name: "thrust reserve",
         text: "Arming denied: too heavy for the thrust",
         may_be_forced: false,
@@ -169,6 +185,8 @@ mod tests {
 
     fn good() -> ArmingFacts {
         ArmingFacts {
+            outputs_suffice: true,
+            rotor_is_lost: false,
             imu: ImuHealth::Good,
             mounting_is_known: true,
             is_levelled: true,

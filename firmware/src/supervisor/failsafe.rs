@@ -50,6 +50,8 @@ pub enum Failure {
     OverTension = 18,
     /// Down where the ground should be, and it is not there.
     LandingOverdue = 19,
+    /// A rotor gives no thrust, and the others do its work.
+    RotorLost = 20,
 }
 
 /// Where a failure ends. Ordered by severity.
@@ -106,6 +108,8 @@ pub struct FailsafeFacts {
     pub is_gone: bool,
     /// What the line does against what its winch is asked.
     pub line: LineFault,
+    /// One that can be spared.
+    pub rotor_is_lost: bool,
     /// Motion capture gives a position, or none is needed.
     pub has_capture: bool,
     /// The ground end reports, or the length is fixed.
@@ -160,7 +164,7 @@ fn concerns(mode: Mode, need: impl Fn(&Needs) -> bool) -> bool {
 }
 
 /// All failures, ordered as [`Failure`].
-pub const FAILSAFES: [Failsafe; 20] = [
+pub const FAILSAFES: [Failsafe; 21] = [
     Failsafe {
         failure: Failure::ImuLost,
         text: "IMU lost: descending blind",
@@ -302,6 +306,13 @@ pub const FAILSAFES: [Failsafe; 20] = [
         is_present: |_, _| false,
         delay: |_| 0,
         action: |_| FailsafeAction::Descend,
+    },
+    Failsafe {
+        failure: Failure::RotorLost,
+        text: "Rotor lost: landing on the others",
+        is_present: |_, f| f.rotor_is_lost,
+        delay: |_| 0,
+        action: |_| FailsafeAction::Land,
     },
 ];
 

@@ -56,6 +56,7 @@ pub struct TouchDownState<S> {
     low: S,
     held: S,
     idle: S,
+    stays: S,
     tipped: S,
     carried: S,
     lying: S,
@@ -89,6 +90,8 @@ pub struct TouchDownInput<S> {
 const LOW_TIME: f64 = 0.2;
 const HELD_TIME: f64 = 0.2;
 const IDLE_TIME: f64 = 20.0;
+/// The same of one that turns or slides, and does not sink, s.
+const STAYS_TIME: f64 = 10.0;
 /// Cosine of 37 degrees, and so long, s.
 const TIPPED: f64 = 0.8;
 const TIPPED_TIME: f64 = 1.0;
@@ -159,7 +162,8 @@ impl<S: Scalar> TouchDown<S> {
         let touches = lasts(&mut state.low, low, LOW_TIME)
             | lasts(&mut state.held, held, HELD_TIME)
             | lasts(&mut state.idle, idle, IDLE_TIME)
-            | lasts(&mut state.tipped, tipped, TIPPED_TIME);
+            | lasts(&mut state.tipped, tipped, TIPPED_TIME)
+            | lasts(&mut state.stays, z.wants_down && is_still, STAYS_TIME);
 
         let falls = lasts(&mut state.falling, is_falling, FALLING_TIME);
         if falls {

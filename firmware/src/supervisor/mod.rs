@@ -5,6 +5,7 @@ mod failsafe;
 mod ground;
 mod line;
 mod mode;
+mod rotor;
 
 pub use arming::{ARMING_CHECKS, ArmingCheck, ArmingFacts};
 pub use failsafe::{
@@ -13,3 +14,4 @@ pub use failsafe::{
 pub use ground::{GroundContact, GroundState, TouchDown, TouchDownInput, TouchDownState};
 pub use line::{LineFault, LineInput, LineWatch};
 pub use mode::{MODES, Mode, ModeRule, Needs, Rest};
+pub use rotor::{RotorWatch, RotorWatchState};

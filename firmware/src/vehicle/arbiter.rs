@@ -38,6 +38,8 @@ impl<S: Scalar> Vehicle<S> {
         };
         let weight = p.mass * crate::math::GRAVITY as f32;
         ArmingFacts {
+            outputs_suffice: self.state.actuation.throttle.len() <= self.outputs,
+            rotor_is_lost: self.state.lost_rotor.is_some(),
             imu: cx.sensors.imu_health,
             mounting_is_known: self.config.sense.mounting_is_known(),
             is_levelled: estimate.is_levelled,
@@ -84,6 +86,7 @@ impl<S: Scalar> Vehicle<S> {
             is_taut: self.link_is_taut(cx),
             is_gone: estimate.tether_is_gone,
             line: self.state.line,
+            rotor_is_lost: self.state.lost_rotor.is_some(),
             has_capture: !self.config.constants.kind.is_free() || estimate.position.is_some(),
             tether_is_known: self.tether_is_known(cx.sensors),
             cell: cx.sensors.battery.map(|battery| battery.cell.to_f32()),

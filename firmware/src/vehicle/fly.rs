@@ -1,14 +1,15 @@
 //! The outer loop, 250 times a second: the mode's set-points, and coming to stand on the ground.
 
 use super::{Moment, Vehicle, context};
-use crate::control::{AttitudeCommand, DitherState, PositionState, RadialControl};
+use crate::control::{AttitudeCommand, DitherState, PositionState, RadialControl, RateState};
 use crate::frames::{V3, World};
 use crate::math::so3;
 use crate::mode::{Notice, Smoothed};
+use crate::navigation::CLEAR;
 use crate::param::Params;
 use crate::scalar::Scalar;
 use crate::signal::{Event, EventQueue, PositionSource};
-use crate::supervisor::{GroundState, LineInput, TouchDownInput, TouchDownState};
+use crate::supervisor::{GroundState, LineInput, RotorWatchState, TouchDownInput, TouchDownState};
 use crate::time::OUTER_DT;
 
 /// Low-pass of the estimate before the position loop, per step.
@@ -46,12 +47,21 @@ impl<S: Scalar> Vehicle<S> {
         }
         self.touch_down(at);
         self.watch_line();
+        self.watch_rotors();
+    }
+
+    /// So far up that nothing but the air and the line touch it.
+    fn is_clear(&self) -> bool {
+        let ground = self.config.touch_down.ground_height;
+        let is_over = self.situation.estimate.height > ground + S::lit(CLEAR);
+        self.situation.navigation.is_airborne() && is_over
     }
 
     fn watch_line(&mut self) {
+        let is_clear = self.is_clear();
         let (situation, state) = (&self.situation, &mut self.state);
         let is_on_winch = self.config.constants.radial_control == RadialControl::Winch;
-        let flies = situation.setpoints.ground == GroundState::InAir;
+        let flies = situation.setpoints.ground == GroundState::InAir && is_clear;
         let tether = situation.estimate.tether.filter(|t| t.is_taut && is_on_winch && flies);
         let reference = situation.setpoints.reference;
         let input = tether.zip(reference).map(|(tether, reference)| LineInput {
@@ -65,6 +75,26 @@ impl<S: Scalar> Vehicle<S> {
             },
         });
         state.line = state.line_watch.step(input.as_ref(), S::lit(OUTER_DT));
+    }
+
+    fn watch_rotors(&mut self) {
+        // The ground turns a vehicle too.
+        let flies = self.is_clear() && self.state.contact_ramp >= S::one();
+        let (situation, state) = (&self.situation, &mut self.state);
+        let Some(watch) = self.config.rotor_watch.as_ref().filter(|_| flies) else {
+            state.rotor_watch = RotorWatchState::default();
+            return;
+        };
+        let (rate, torque) = (&situation.estimate.rate, &state.wrench.torque);
+        let found = watch.step(&mut state.rotor_watch, rate, torque, &state.actuation.thrusts);
+        // The torque that is asked of a rotor taken for dead is missed on: one that was named wrongly is found after all.
+        if let Some(rotor) = found.filter(|rotor| state.lost_rotor != Some(*rotor))
+            && self.config.mixer.lose(rotor, &self.params)
+        {
+            state.lost_rotor = Some(rotor);
+            state.rotor_watch = RotorWatchState::default();
+            state.rate = RateState::default();
+        }
     }
 
     fn note(&mut self, notice: Notice<S>, events: &mut EventQueue) {

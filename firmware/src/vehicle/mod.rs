@@ -35,10 +35,12 @@ use crate::param::{Params, broken};
 use crate::scalar::Scalar;
 use crate::sense::{ImuScale, Motion, SenseState};
 use crate::signal::{
-    Actuation, AltimeterReport, Event, EventQueue, MixerReport, Reply, Request, Sensors, Ticket,
-    WinchCommand, Wrench,
+    Actuation, AltimeterReport, Event, EventQueue, MAX_ROTORS, MixerReport, Reply, Request,
+    Sensors, Ticket, WinchCommand, Wrench,
 };
-use crate::supervisor::{FailsafeState, GroundState, LineFault, LineWatch, TouchDownState};
+use crate::supervisor::{
+    FailsafeState, GroundState, LineFault, LineWatch, RotorWatchState, TouchDownState,
+};
 use crate::time::{INNER_DT, Micros};
 use crate::trajectory::Plan;
 use felt::Felt;
@@ -56,6 +58,8 @@ const BLIND_SHARE: f64 = 0.65;
 pub struct Vehicle<S: Scalar = f32> {
     params: Params,
     scale: ImuScale,
+    /// Of the board, for motors.
+    outputs: usize,
     config: Config<S>,
     /// What of it does not follow the parameters yet.
     stale: Stale,
@@ -89,6 +93,9 @@ struct State<S: Scalar> {
     touch_down: TouchDownState<S>,
     line_watch: LineWatch<S>,
     line: LineFault,
+    rotor_watch: RotorWatchState<S>,
+    /// Gives no thrust any more, until power-down.
+    lost_rotor: Option<usize>,
     /// 1 in flight, runs down to 0 on ground contact.
     contact_ramp: S,
     link_at: Option<Micros>,
@@ -193,6 +200,8 @@ impl<S: Scalar> Vehicle<S> {
             touch_down: TouchDownState::default(),
             line_watch: LineWatch::default(),
             line: LineFault::default(),
+            rotor_watch: RotorWatchState::default(),
+            lost_rotor: None,
             contact_ramp: S::one(),
             link_at: None,
             echo: None,
@@ -208,7 +217,23 @@ impl<S: Scalar> Vehicle<S> {
             },
         };
         let output = StepOutput::before(&situation, &state, &mode);
-        Self { params, scale, config, stale: Stale::default(), mode, situation, state, output }
+        let outputs = MAX_ROTORS;
+        Self {
+            params,
+            scale,
+            outputs,
+            config,
+            stale: Stale::default(),
+            mode,
+            situation,
+            state,
+            output,
+        }
+    }
+
+    /// How many motors the board can drive; as many as any frame has unless it says so.
+    pub fn set_outputs(&mut self, outputs: usize) {
+        self.outputs = outputs;
     }
 
     /// What the last step said.
@@ -241,6 +266,9 @@ impl<S: Scalar> Vehicle<S> {
             self.state.is_consistent = broken(&self.params).is_none();
         }
         let has_renewed = self.config.renew(&mut self.stale, &self.params, self.scale);
+        if has_renewed && let Some(rotor) = self.state.lost_rotor {
+            let _ = self.config.mixer.lose(rotor, &self.params);
+        }
         if has_renewed && self.situation.armed_at.is_none() {
             // The place to start from follows from the parameters.
             self.situation.navigation.replace(&self.config.navigation);

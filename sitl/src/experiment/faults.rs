@@ -38,6 +38,8 @@ struct Case {
     ramp: f64,
     axis: Option<Axis>,
     motor: Option<usize>,
+    /// Sections of the scenario that make another vehicle.
+    vehicle: &'static str,
     excuse: Excuse,
 }
 
@@ -50,6 +52,7 @@ const fn case(name: &'static str, kind: FaultKind, value: f64) -> Case {
         ramp: 0.0,
         axis: None,
         motor: None,
+        vehicle: "",
         excuse: Excuse::None,
     }
 }
@@ -59,6 +62,11 @@ const BLIND: Excuse = Excuse::Physics("nothing measures the attitude");
 
 const GAP: Excuse =
     Excuse::Open("while the feet leave the ground the attitude moves too fast for it");
+
+const HEXA: &str = "[vehicle]\npreset = \"hexa-6\"\n[battery]\ncells = 6\ncapacity = 20\n[params]\nTET_TENSION = 15\n\
+                    TET_TENSION_LOW = 8\n";
+const OCTO: &str = "[vehicle]\npreset = \"octo-9\"\n[battery]\ncells = 6\ncapacity = 30\n[params]\nTET_TENSION = 20\n\
+                    TET_TENSION_LOW = 10\n";
 
 const CASES: &[Case] = &[
     case("nothing", FaultKind::RangeOffset, 0.0),
@@ -90,6 +98,16 @@ const CASES: &[Case] = &[
         excuse: QUAD,
         ..case("one motor stopped", FaultKind::MotorStopped, 0.0)
     },
+    Case {
+        motor: Some(1),
+        vehicle: HEXA,
+        ..case("one of six motors stopped", FaultKind::MotorStopped, 0.0)
+    },
+    Case {
+        motor: Some(1),
+        vehicle: OCTO,
+        ..case("one of eight motors stopped", FaultKind::MotorStopped, 0.0)
+    },
     case("battery empty", FaultKind::BatteryAt, 0.02),
     case("ground station lost", FaultKind::LinkLost, 0.0),
     Case {
@@ -104,12 +122,21 @@ const CASES: &[Case] = &[
     },
     case("winch silent", FaultKind::WinchSilent, 0.0),
     Case {
-        excuse: Excuse::Open("told by the filter too late: it expects the tension it asks for"),
-        ..case("winch pulls 25 N", FaultKind::WinchPulls, 25.0)
+        excuse: Excuse::Open("pull and weight ask for 21 to 29 N: little is left to brake with"),
+        ..case("winch pulls 15 N", FaultKind::WinchPulls, 15.0)
     },
     Case {
-        excuse: Excuse::Open("found out once the place no longer fits: the line called gone"),
-        ..case("encoder stuck", FaultKind::EncoderStuck, 0.0)
+        excuse: Excuse::Physics(
+            "pull and weight ask for 29 to 40 N, the position loop may ask for 28",
+        ),
+        ..case("winch pulls 25 N", FaultKind::WinchPulls, 25.0)
+    },
+    case("encoder stuck", FaultKind::EncoderStuck, 0.0),
+    Case { ramp: 0.8, ..case("encoder runs 3 m out", FaultKind::LengthOffset, 3.0) },
+    case("encoder slips 10 %", FaultKind::EncoderSlip, 0.1),
+    Case {
+        excuse: Excuse::Open("too slow for inertia to see, and metres in the end"),
+        ..case("encoder slips 30 %", FaultKind::EncoderSlip, 0.3)
     },
     case("encoder +1 m", FaultKind::LengthOffset, 1.0),
     Case { duration: Some(0.5), ..case("push 6 N", FaultKind::PushEast, 6.0) },
@@ -218,7 +245,8 @@ fn scenario(case: &Case, (_, step, at): (&str, usize, f64)) -> Result<Scenario, 
         [[mission]]
         do = "land"
         "#;
-    let mut scenario = Scenario::parse(text, case.name).map_err(|e| e.0)?;
+    let text = format!("{}{text}", case.vehicle);
+    let mut scenario = Scenario::parse(&text, case.name).map_err(|e| e.0)?;
     scenario.fault.push(FaultSection {
         duration: case.duration,
         ramp: case.ramp,

@@ -26,7 +26,7 @@ pub use ground::{Ground, GroundModel};
 pub use integrate::runge_kutta;
 pub use push::Push;
 pub use rod::{Rod, RodModel, RodPhase};
-pub use rotor::{Hub, Rotor, RotorModel};
+pub use rotor::{Hub, Rotor, RotorModel, hubs};
 pub use supply::{Supply, SupplyModel};
 pub use tether::{Chain, Drum, End, Grip, Material, Tether, TetherModel, WinchModel};
 pub use wind::{Gusts, Wind, WindModel};

@@ -1,9 +1,11 @@
 //! A rotor with its ESC and motor: first-order speed, thrust and drag torque by the square of speed.
 
 use crate::scenario::VehicleSection;
+use serde::{Deserialize, Serialize};
 
 /// Where a rotor sits, in units of the arm, and the sense of its yaw torque.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Deserialize, Serialize, PartialEq)]
+#[serde(deny_unknown_fields)]
 pub struct Hub {
     /// Forward.
     pub x: f64,
@@ -20,6 +22,12 @@ const fn hub(x: f64, y: f64, spin: f64) -> Hub {
 /// Front right, rear left, front left, rear right.
 const QUAD_X: [Hub; 4] =
     [hub(1.0, 1.0, 1.0), hub(-1.0, -1.0, 1.0), hub(1.0, -1.0, -1.0), hub(-1.0, 1.0, -1.0)];
+
+/// As the scenario says, or a quad.
+#[must_use]
+pub fn hubs(vehicle: &VehicleSection) -> Vec<Hub> {
+    if vehicle.rotors.is_empty() { QUAD_X.to_vec() } else { vehicle.rotors.clone() }
+}
 
 /// All rotors alike.
 #[derive(Clone, Debug)]
@@ -59,7 +67,7 @@ impl RotorModel {
     #[must_use]
     pub fn new(vehicle: &VehicleSection) -> Self {
         Self {
-            hubs: QUAD_X.to_vec(),
+            hubs: hubs(vehicle),
             arm: vehicle.arm,
             thrust_coefficient: vehicle.thrust_coefficient,
             torque_ratio: vehicle.torque_ratio,

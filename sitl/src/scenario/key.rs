@@ -4,6 +4,8 @@
 //! and [`keys`]: what a template or a reader wants to know of every key.
 
 use super::check::within;
+use crate::plant::Hub;
+use tautline_firmware::signal::MAX_ROTORS;
 
 /// What is known of one key.
 #[derive(Clone, Copy, Debug)]
@@ -61,6 +63,21 @@ impl KeyValue for Vec<[f64; 4]> {
                 return Err(format!("{path}[{i}][0] = {} is not after {last}", row[0]));
             }
             last = row[0];
+        }
+        Ok(())
+    }
+}
+
+/// A frame has as many rotors as there are motor outputs at most.
+impl KeyValue for Vec<Hub> {
+    fn check(&self, path: &str, _: Option<(f64, f64)>) -> Result<(), String> {
+        if !self.is_empty() {
+            within(&format!("{path}.length"), self.len() as f64, 3.0, MAX_ROTORS as f64)?;
+        }
+        for (i, hub) in self.iter().enumerate() {
+            within(&format!("{path}[{i}].x"), hub.x, -10.0, 10.0)?;
+            within(&format!("{path}[{i}].y"), hub.y, -10.0, 10.0)?;
+            within(&format!("{path}[{i}].spin"), hub.spin, -1.0, 1.0)?;
         }
         Ok(())
     }

@@ -1,12 +1,15 @@
 //! How an operator sets the scenario's vehicle up: its place at the start and its parameters.
 
 use super::{Scenario, ScenarioError, TetherKind, set_param};
+use crate::plant::{Hub, hubs};
 use crate::sensor::NEWTON_PER_COUNT;
+use tautline_firmware::model::Rotors;
 use tautline_firmware::param::{META, Params};
 use tautline_firmware::signal::Aid;
 
 /// Parameters that describe what the simulator knows better.
-const PLANT: [&str; 16] = [
+const PLANT: [&str; 17] = [
+    "VEH_FRAME",
     "VEH_MASS",
     "VEH_IXX",
     "VEH_IYY",
@@ -92,6 +95,7 @@ impl Scenario {
             ("VEH_IXX", ix),
             ("VEH_IYY", iy),
             ("VEH_IZZ", iz),
+            ("VEH_FRAME", f64::from(frame(&hubs(v)).map_err(ScenarioError)?)),
             ("VEH_ARM", v.arm),
             ("VEH_CQ", v.torque_ratio),
             ("VEH_ATT_Z", t.attachment),
@@ -99,7 +103,7 @@ impl Scenario {
             ("MOT_THR_MAX", rotor_max),
             ("MOT_V_NOM", v.nominal_voltage),
             ("MOT_TAU", v.rotor_time_constant),
-            ("TPC_THR_MAX", 3.5 * rotor_max),
+            ("TPC_THR_MAX", 0.875 * hubs(v).len() as f64 * rotor_max),
             ("BAT1_N_CELLS", self.battery.cells),
             ("TET_KIND", t.kind.parameter()),
             ("TET_LENGTH", t.length),
@@ -136,4 +140,20 @@ impl Scenario {
         }
         Ok(params)
     }
+}
+
+/// The `VEH_FRAME` that has these rotors.
+fn frame(hubs: &[Hub]) -> Result<u8, String> {
+    let is_same = |frame: &u8| {
+        let rotors = Rotors::of(&Params { frame: f32::from(*frame), ..Params::default() });
+        let near = |a: f32, b: f64| (f64::from(a) - b).abs() < 1e-3;
+        rotors.len() == hubs.len()
+            && rotors.iter().zip(hubs).all(|(rotor, hub)| {
+                near(rotor.x, hub.x) && near(rotor.y, hub.y) && near(rotor.spin, hub.spin)
+            })
+    };
+    let most = META.iter().find(|meta| meta.name == "VEH_FRAME").map_or(0.0, |meta| meta.max);
+    (0..=most as u8)
+        .find(is_same)
+        .ok_or_else(|| "vehicle.rotors: no VEH_FRAME has these".to_owned())
 }

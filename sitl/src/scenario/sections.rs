@@ -1,6 +1,7 @@
 //! All keys of a scenario's sections. One line each: key, type, unit, default, range.
 
 use super::key::sections;
+use crate::plant::Hub;
 use serde::{Deserialize, Serialize};
 
 /// Ground end of the tether.
@@ -61,14 +62,17 @@ pub enum DisturbanceKind {
 sections! {
     /// `[vehicle]`: the airframe as it really is.
     "vehicle" VehicleSection {
-        /// quad-1.5, quad-3.5 or quad-8: the keys of this section at once. The file's own keys come first.
+        /// quad-1.5, quad-3.5, quad-8, hexa-6 or octo-9: the keys of this section at once. The file's own keys come first.
         preset: String [""] = String::new();
         /// Take-off mass, battery included, tether and load not.
         mass: f64 ["kg"] = 1.5, in 0.1 ..= 50.0;
         /// Moments of inertia about nose, right-hand and down axis.
         inertia: [f64; 3] ["kg m^2"] = [0.016, 0.016, 0.029], in 1e-5 ..= 10.0;
-        /// Distance of each hub from the centre of mass along the nose axis and the right-hand axis.
+        /// Unit of `rotors`.
         arm: f64 ["m"] = 0.177, in 0.03 ..= 2.0;
+        /// Where the rotors sit, forward and to the right in units of `arm`, and 1 if its drag yaws the nose to the right, else
+        /// -1: `[{ x = 1, y = 1, spin = 1 }, ...]`, in the order of the motor outputs; none: a quad on an X.
+        rotors: Vec<Hub> [""] = Vec::new();
         /// Thrust of a rotor per speed squared.
         thrust_coefficient: f64 ["N/(rad/s)^2"] = 1.55e-5, in 1e-8 ..= 1e-2;
         /// Drag torque of a rotor per thrust.

@@ -11,6 +11,7 @@ use super::{
 };
 use crate::control::{PositionState, RadialControl};
 use crate::frames::{V3, World};
+use crate::math::wrap_pi;
 use crate::scalar::Scalar;
 use crate::signal::SphericalPoint;
 use crate::supervisor::{Failure, GroundState};
@@ -29,11 +30,17 @@ const SLIDE_LEAN: f64 = 0.3;
 const SAG_FROM: f64 = 0.5;
 const SAG_TIME: f64 = 0.1;
 
+/// A vehicle that turns by so much, rad, lower than this over the ground, m, has a rotor too few.
+const TURNED: f64 = 0.6;
+const TURNED_LOW: f64 = 0.2;
+
 /// What moves.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Takeoff<S: Scalar> {
     /// m over the anchor; the parameter's if nobody gave one.
     altitude: Option<f32>,
+    /// Heading when the thrust began to rise, rad.
+    heading: Option<S>,
     /// Time in the thrust ramp on the ground, s.
     spool: S,
     /// Volts per cell at rest, and how long they would have been too low in a hover, s.
@@ -57,6 +64,7 @@ impl<S: Scalar> FlightMode<S> for Takeoff<S> {
         }
         let takeoff = Self {
             altitude: entry.altitude,
+            heading: None,
             spool: S::zero(),
             rested: None,
             sagging: S::zero(),
@@ -74,6 +82,10 @@ impl<S: Scalar> FlightMode<S> for Takeoff<S> {
         cx: &Context<'_, S>,
     ) -> Result<Setpoints<S>, Exit> {
         let is_in_air = cx.ground() == GroundState::InAir;
+        if self.turns(cx) {
+            let text = "Take-off failed: it turns, check the rotors";
+            return Err(Exit { failure: Failure::NoLiftOff, text });
+        }
         let is_far_out = is_in_air && handover.plan.is_last_leg();
         let tension = cx.tension(handover, is_far_out, cx.fixed_pull());
         if is_in_air {
@@ -114,6 +126,8 @@ impl<S: Scalar> Takeoff<S> {
                 let text = "Take-off failed: altitude beyond the tether";
                 return Err(Exit { failure: Failure::NoLiftOff, text });
             }
+            let (.., yaw) = situation.estimate.attitude.euler();
+            self.heading = Some(yaw);
             self.spool = S::zero();
             self.sagging = S::zero();
             self.rested = cell_voltage(cx);
@@ -158,6 +172,15 @@ impl<S: Scalar> Takeoff<S> {
         let force = leaning(thrust, &side, S::lit(SLIDE_LEAN));
         let attitude = cx.thrust(force, handover.heading);
         Ok(Setpoints { attitude, ground, ..cx.unchanged(tension) })
+    }
+
+    /// Whether it turns about its feet.
+    fn turns(&self, cx: &Context<'_, S>) -> bool {
+        let estimate = &cx.situation.estimate;
+        let is_low = estimate.height < cx.config.touch_down.ground_height + S::lit(TURNED_LOW);
+        let (.., yaw) = estimate.attitude.euler();
+        let turned = self.heading.map_or(S::zero(), |heading| wrap_pi(yaw - heading));
+        is_low && turned.abs() > S::lit(TURNED)
     }
 
     /// Whether the battery would be low in a hover: the drop so far, by the current that goes with the thrust.

@@ -2,6 +2,7 @@ use super::*;
 
 fn healthy() -> FailsafeFacts {
     FailsafeFacts {
+        rotor_is_lost: false,
         mode: Mode::TetherHold,
         imu: ImuHealth::Good,
         has_diverged: false,

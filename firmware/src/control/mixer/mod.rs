@@ -1,9 +1,12 @@
 //! Which rotor thrusts give that wrench? Each rotor's share of roll, pitch and yaw follows from the table of rotors.
 
+mod degraded;
+
 use crate::model::Rotors;
 use crate::param::Params;
 use crate::scalar::Scalar;
 use crate::signal::{MixerReport, PerRotor, Wrench};
+use degraded::Degraded;
 
 /// What gives way when a rotor is at its limit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -59,6 +62,8 @@ pub struct Mixer<S> {
     pub max: S,
     /// At the limit.
     pub priority: Priority,
+    /// A rotor is dead.
+    degraded: Option<Degraded<S>>,
 }
 
 /// Yaw may take this share of the mean rotor thrust.
@@ -99,7 +104,16 @@ impl<S: Scalar> Mixer<S> {
             min: S::from_f32(p.rotor_thrust_min),
             max: S::from_f32(p.rotor_thrust_max),
             priority: Priority::TiltFirst,
+            degraded: None,
         }
+    }
+
+    /// A rotor is dead, the others do its work; false: they cannot, nothing changes.
+    #[must_use]
+    pub fn lose(&mut self, rotor: usize, p: &Params) -> bool {
+        let degraded = Degraded::without(&Rotors::of(p), rotor, self.min, self.max);
+        self.degraded = degraded.or(self.degraded);
+        degraded.is_some()
     }
 
     /// The same value for each rotor.
@@ -111,6 +125,15 @@ impl<S: Scalar> Mixer<S> {
     /// Rotor thrusts, N, each within the limits, into their slots; and what had to be cut.
     pub fn step(&self, wrench: &Wrench<S>, thrusts: &mut [S]) -> MixerReport {
         let torque = &wrench.torque.0;
+        if let Some(degraded) = &self.degraded {
+            let wanted = [
+                wrench.thrust,
+                torque.x / self.arm,
+                torque.y / self.arm,
+                torque.z / self.torque_ratio,
+            ];
+            return degraded.step(wanted, thrusts);
+        }
         let [thrust_share, roll_share, pitch_share, yaw_share] = self.shares;
         let mut mean = wrench.thrust * thrust_share;
         let mut roll = torque.x * roll_share / self.arm;
