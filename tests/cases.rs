@@ -2,42 +2,9 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "tests")]
 
-use std::io::Sink;
 use tautline_firmware::supervisor::Mode;
-use tautline_sitl::flight::{Flight, Progress};
-use tautline_sitl::scenario::Scenario;
-
-const MISSION: &str = r#"
-[[mission]]
-do = "arm"
-[[mission]]
-do = "takeoff"
-altitude = 5.0
-[[mission]]
-do = "hold"
-seconds = 40.0
-[[mission]]
-do = "land"
-"#;
-
-/// The mission in a world that is described, to its end and until the motors have stood.
-fn flown(world: &str, seed: u64, limit: f64) -> Flight<Sink> {
-    let scenario = Scenario::parse(&format!("{world}\n{MISSION}"), "case").unwrap();
-    let mut flight = Flight::unrecorded(&scenario, scenario.params().unwrap(), seed).unwrap();
-    flight.fly(limit);
-    flight
-}
-
-fn told(flight: &Flight<Sink>, text: &str) -> usize {
-    flight.events.iter().filter(|(_, event)| event.text.contains(text)).count()
-}
-
-/// Down, off and in one piece.
-fn is_safe(flight: &Flight<Sink>) {
-    let summary = flight.metrics.summary();
-    assert_eq!(summary.lost, None, "{summary:?}");
-    assert!(!flight.output().is_armed, "motors run");
-}
+use tautline_sitl::flight::Progress;
+use tautline_tests::{flown, is_safe, told};
 
 #[test]
 fn an_accelerometer_that_is_off_by_a_tenth_is_refused_with_the_reason_once() {

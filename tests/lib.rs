@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "test support")]
 
 use mavlink::MessageData;
+use std::io::Sink;
 use tautline_firmware::mavlink::Connection;
 use tautline_firmware::param::Params;
 use tautline_firmware::time::Micros;
@@ -70,6 +71,48 @@ altitude = 5.0
 do = "hold"
 seconds = 1000.0
 "#;
+
+/// Takes off to 5 m, holds for 40 s and lands.
+const UP_AND_DOWN: &str = r#"
+[[mission]]
+do = "arm"
+[[mission]]
+do = "takeoff"
+altitude = 5.0
+[[mission]]
+do = "hold"
+seconds = 40.0
+[[mission]]
+do = "land"
+"#;
+
+/// Up, a hold and down in a world that is described, to its end or for `limit` s.
+///
+/// # Panics
+/// If the scenario is not valid.
+#[must_use]
+pub fn flown(world: &str, seed: u64, limit: f64) -> Flight<Sink> {
+    let scenario = Scenario::parse(&format!("{world}\n{UP_AND_DOWN}"), "case").unwrap();
+    let mut flight = Flight::unrecorded(&scenario, scenario.params().unwrap(), seed).unwrap();
+    flight.fly(limit);
+    flight
+}
+
+/// How often a text was told.
+#[must_use]
+pub fn told(flight: &Flight<Sink>, text: &str) -> usize {
+    flight.events.iter().filter(|(_, event)| event.text.contains(text)).count()
+}
+
+/// Down, off and in one piece.
+///
+/// # Panics
+/// If it is not.
+pub fn is_safe(flight: &Flight<Sink>) {
+    let summary = flight.metrics.summary();
+    assert_eq!(summary.lost, None, "{summary:?}");
+    assert!(!flight.output().is_armed, "motors run");
+}
 
 /// A link that has heard one message of some device.
 #[must_use]

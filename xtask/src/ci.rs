@@ -121,6 +121,7 @@ fn experiments() -> Outcome {
         ("fullstate-faults", 3),
         ("which-sensor", 3),
         ("faults", 1),
+        ("policy", 150),
         ("fixed-point", 1),
         ("pendulum-sweeps", 1),
         ("pendulum-flight", 2),

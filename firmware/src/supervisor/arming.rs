@@ -220,6 +220,8 @@ mod tests {
             ArmingFacts { altitude_is_fresh: false, ..good() },
             ArmingFacts { tether_is_known: false, ..good() },
             ArmingFacts { cell: None, ..good() },
+            ArmingFacts { outputs_suffice: false, ..good() },
+            ArmingFacts { rotor_is_lost: true, ..good() },
             ArmingFacts { hover_share: f32::NAN, ..good() },
             ArmingFacts { link_is_up: false, ..good() },
             ArmingFacts { throttle_is_open: true, ..good() },

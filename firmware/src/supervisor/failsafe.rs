@@ -324,6 +324,8 @@ const fn is_blind(f: &FailsafeFacts) -> bool {
 /// A failure that a mode raised forbids what its action forbids for at least so long, µs; by then the facts show it,
 /// if it is still there.
 const RAISED_US: u64 = 5_000_000;
+/// Where a landing found no ground there is none a moment later.
+const OVERDUE_US: u64 = 60_000_000;
 
 /// Since when each failure is present, and what came of it. Bit n stands for row n of [`FAILSAFES`].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -445,7 +447,8 @@ impl Failsafes {
     ) -> FailsafeAction {
         let action = failure.rule().map_or(FailsafeAction::Descend, |row| (row.action)(self));
         state.raised |= failure.mask();
-        state.raised_until = Micros(now.0.saturating_add(RAISED_US));
+        let lasts = if failure == Failure::LandingOverdue { OVERDUE_US } else { RAISED_US };
+        state.raised_until = Micros(now.0.saturating_add(lasts));
         state.in_force |= failure.mask();
         if action > FailsafeAction::Hold {
             state.latched |= failure.mask();

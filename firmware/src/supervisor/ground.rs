@@ -57,6 +57,7 @@ pub struct TouchDownState<S> {
     held: S,
     idle: S,
     stays: S,
+    tumbles: S,
     tipped: S,
     carried: S,
     lying: S,
@@ -95,6 +96,8 @@ const STAYS_TIME: f64 = 10.0;
 /// Cosine of 37 degrees, and so long, s.
 const TIPPED: f64 = 0.8;
 const TIPPED_TIME: f64 = 1.0;
+/// One that tumbles on the ground does not come level again, s.
+const TUMBLES_TIME: f64 = 3.0;
 /// Landed: while the altimeter agrees, while it does not, and without an accelerometer, s.
 const CARRIED_TIME: f64 = 0.4;
 const CARRIED_ALONE_TIME: f64 = 1.0;
@@ -163,6 +166,7 @@ impl<S: Scalar> TouchDown<S> {
             | lasts(&mut state.held, held, HELD_TIME)
             | lasts(&mut state.idle, idle, IDLE_TIME)
             | lasts(&mut state.tipped, tipped, TIPPED_TIME)
+            | lasts(&mut state.tumbles, z.wants_down && z.cos_tilt < S::lit(TIPPED), TUMBLES_TIME)
             | lasts(&mut state.stays, z.wants_down && is_still, STAYS_TIME);
 
         let falls = lasts(&mut state.falling, is_falling, FALLING_TIME);
@@ -174,7 +178,9 @@ impl<S: Scalar> TouchDown<S> {
         let is_little = raw_lift < g * S::lit(LITTLE);
         let agrees = below(0.5) != Some(false);
         let carried = is_little && spare.is_some_and(|spare| spare > g * S::lit(CARRIED));
-        let lying = is_little && is_still && is_quiet && agrees && !is_falling;
+        // Motors that strain to right it keep their thrust when it is let go.
+        let is_let_go = is_little || z.left <= S::zero();
+        let lying = is_let_go && is_still && is_quiet && agrees && !is_falling;
         let enough = if agrees { CARRIED_TIME } else { CARRIED_ALONE_TIME };
         let has_landed =
             lasts(&mut state.carried, carried, enough) | lasts(&mut state.lying, lying, LYING_TIME);
@@ -276,7 +282,7 @@ mod tests {
             ("sinking", Scene { ..air }, 0),
             ("no altimeter", Scene { height: None, ..air }, 0),
             ("1 m/s2 too much", Scene { accel: Some(1.0), ..air }, 0),
-            ("it does not seem to sink", Scene { climb: -0.1, ..air }, 2),
+            ("it does not seem to sink", Scene { climb: -0.1, ..air }, 3),
             // It asks again and again; each time the fall answers.
             (
                 "the altimeter stuck at the ground",

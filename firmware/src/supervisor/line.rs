@@ -32,6 +32,7 @@ pub struct LineInput<S> {
 pub struct LineWatch<S> {
     caught: S,
     pulled: S,
+    fault: LineFault,
     /// Of the last step, m, and its rate, low-passed, m/s.
     length: Option<S>,
     rate: S,
@@ -55,8 +56,8 @@ impl<S: Scalar> LineWatch<S> {
     /// One step over `dt` s; `None`: no winch's line is taut.
     pub fn step(&mut self, input: Option<&LineInput<S>>, dt: S) -> LineFault {
         let Some(z) = input else {
-            *self = Self { caught: S::zero(), pulled: S::zero(), length: None, rate: S::zero() };
-            return LineFault::default();
+            (self.length, self.rate) = (None, S::zero());
+            return self.judge(false, false, dt);
         };
         let is_much = z.tension > z.asked * S::lit(TIMES) && z.tension > z.asked + S::lit(MORE);
         let moved = self.length.map_or(S::zero(), |before| (z.length - before) / dt);
@@ -65,16 +66,22 @@ impl<S: Scalar> LineWatch<S> {
         let wants_out = z.wanted > z.length + S::lit(FARTHER);
         let stands = z.wanted > z.length + S::lit(FAR) && self.rate < S::lit(STANDS);
         let stands = stands && z.wanted_rate > S::lit(STANDS);
-        let count = |timer: &mut S, holds: bool, time: f64| {
-            // A tension that is moved to and fro may hide it for a moment.
+        self.judge(stands || (is_much && wants_out), is_much && !wants_out, dt)
+    }
+
+    fn judge(&mut self, is_caught: bool, is_pulled: bool, dt: S) -> LineFault {
+        // A tension that is moved to and fro may hide it for a moment, and so may a line that is slack for one.
+        let count = |timer: &mut S, was: bool, holds: bool, time: f64| {
             let next = if holds { *timer + dt } else { *timer - dt * S::lit(0.5) };
             *timer = next.limit(S::zero(), S::lit(2.0 * time));
-            *timer >= S::lit(time)
+            *timer >= S::lit(time) || (was && *timer > S::zero())
         };
-        LineFault {
-            is_caught: count(&mut self.caught, stands || (is_much && wants_out), CAUGHT_TIME),
-            is_pulled: count(&mut self.pulled, is_much && !wants_out, PULLED_TIME),
-        }
+        let LineFault { is_caught: was_caught, is_pulled: was_pulled } = self.fault;
+        self.fault = LineFault {
+            is_caught: count(&mut self.caught, was_caught, is_caught, CAUGHT_TIME),
+            is_pulled: count(&mut self.pulled, was_pulled, is_pulled, PULLED_TIME),
+        };
+        self.fault
     }
 }
 

@@ -60,6 +60,8 @@ const fn case(name: &'static str, kind: FaultKind, value: f64) -> Case {
 const QUAD: Excuse = Excuse::Physics("a quadrotor without a rotor does not hold its attitude");
 const BLIND: Excuse = Excuse::Physics("nothing measures the attitude");
 
+const SLIP: Excuse = Excuse::Open("too slow for inertia to see, and metres in the end");
+const ON_FEET: Excuse = Excuse::Open("on its feet it is neither seen nor held");
 const GAP: Excuse =
     Excuse::Open("while the feet leave the ground the attitude moves too fast for it");
 
@@ -101,11 +103,13 @@ const CASES: &[Case] = &[
     Case {
         motor: Some(1),
         vehicle: HEXA,
+        excuse: ON_FEET,
         ..case("one of six motors stopped", FaultKind::MotorStopped, 0.0)
     },
     Case {
         motor: Some(1),
         vehicle: OCTO,
+        excuse: ON_FEET,
         ..case("one of eight motors stopped", FaultKind::MotorStopped, 0.0)
     },
     case("battery empty", FaultKind::BatteryAt, 0.02),
@@ -132,12 +136,9 @@ const CASES: &[Case] = &[
         ..case("winch pulls 25 N", FaultKind::WinchPulls, 25.0)
     },
     case("encoder stuck", FaultKind::EncoderStuck, 0.0),
-    Case { ramp: 0.8, ..case("encoder runs 3 m out", FaultKind::LengthOffset, 3.0) },
-    case("encoder slips 10 %", FaultKind::EncoderSlip, 0.1),
-    Case {
-        excuse: Excuse::Open("too slow for inertia to see, and metres in the end"),
-        ..case("encoder slips 30 %", FaultKind::EncoderSlip, 0.3)
-    },
+    Case { ramp: 0.8, excuse: SLIP, ..case("encoder runs 3 m out", FaultKind::LengthOffset, 3.0) },
+    Case { excuse: SLIP, ..case("encoder slips 10 %", FaultKind::EncoderSlip, 0.1) },
+    Case { excuse: SLIP, ..case("encoder slips 30 %", FaultKind::EncoderSlip, 0.3) },
     case("encoder +1 m", FaultKind::LengthOffset, 1.0),
     Case { duration: Some(0.5), ..case("push 6 N", FaultKind::PushEast, 6.0) },
     Case { duration: Some(2.0), ramp: 0.5, ..case("gust 6 m/s", FaultKind::WindEast, 6.0) },

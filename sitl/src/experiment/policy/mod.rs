@@ -11,6 +11,7 @@ use plan::{BUSY, Plan};
 use rules::{Claim, Memory, RULES, View};
 use std::collections::HashMap;
 use std::io::Sink;
+use tautline_firmware::signal::Event;
 
 /// Random flights without a wish of the user's.
 const SEEDS: u64 = 1000;
@@ -31,14 +32,25 @@ struct Breach {
     about: String,
 }
 
+/// A flight.
+struct Flown {
+    breaches: Vec<Breach>,
+    /// What the operator read.
+    story: Vec<String>,
+}
+
 /// All of it.
 pub fn run(settings: &Overrides) -> Result<Report, String> {
     let seeds = settings.seeds(SEEDS)?;
     settings.refuse(|path| path != super::SEEDS)?;
     let flown = parallel::map(&seeds, parallel::cores(), |seed| fly(*seed), |_| {});
     let flown = flown.into_iter().collect::<Result<Vec<_>, _>>()?;
-    let breaches: Vec<Breach> = flown.into_iter().flatten().collect();
     let mut report = Report::default();
+    // One that is looked at tells its story.
+    if let [Flown { story, .. }] = flown.as_slice() {
+        report.notes.clone_from(story);
+    }
+    let breaches: Vec<Breach> = flown.into_iter().flat_map(|flown| flown.breaches).collect();
     for (at, rule) in RULES.iter().enumerate() {
         let broken = breaches.iter().filter(|breach| breach.rule == at);
         report.add(rule.text, broken.clone().count() as f64, Compare::AtMost(0.0));
@@ -114,7 +126,7 @@ impl Watch {
     }
 }
 
-fn fly(seed: u64) -> Result<Vec<Breach>, String> {
+fn fly(seed: u64) -> Result<Flown, String> {
     let plan = Plan::of_seed(seed)?;
     let mut flight = Flight::unrecorded(&plan.scenario, plan.params, seed).map_err(|e| e.0)?;
     let is_simple = plan.is_simple();
@@ -147,5 +159,8 @@ fn fly(seed: u64) -> Result<Vec<Breach>, String> {
         }
         (before, params_before) = (*now, *params);
     }
-    Ok(breaches)
+    let tell = |(time, event): &(f64, Event)| format!("{time:8.1} s  {event}");
+    let mut events = flight.events.clone();
+    events.dedup_by_key(|(_, event)| event.text);
+    Ok(Flown { breaches, story: events.iter().map(tell).collect() })
 }
