@@ -74,7 +74,7 @@ impl<P: SetDutyCycle, const N: usize> MotorOutputs<P, N> {
     }
 
     /// How many motors there may be.
-    pub const fn len(&self) -> usize {
+    pub const fn outputs(&self) -> usize {
         N
     }
 

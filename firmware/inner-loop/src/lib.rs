@@ -64,7 +64,7 @@ impl<SPI: SpiDevice, PWM: SetDutyCycle> InnerLoop<SPI, PWM> {
     pub fn new(spi: SPI, motors: MotorOutputs<PWM>, params: Params) -> Self {
         let imu = Icm42688::new(spi, icm42688::Config::default());
         let mut vehicle = vehicle(params, scale(&imu));
-        vehicle.set_outputs(motors.len());
+        vehicle.set_outputs(motors.outputs());
         Self { imu, motors, vehicle }
     }
 

@@ -207,19 +207,26 @@ mod tests {
         assert!((scenario.vehicle.mass - 3.0).abs() < 1e-12);
         assert!((scenario.vehicle.arm - 0.23).abs() < 1e-12);
         assert!((scenario.tether.line_density - 0.03).abs() < 1e-12);
-        for (vehicle, length, density) in
-            [("quad-1.5", 10.0, 0.002), ("quad-3.5", 45.0, 0.03), ("quad-8", 80.0, 0.03)]
-        {
+        for (vehicle, length, density) in [
+            ("quad-1.5", 10.0, 0.002),
+            ("quad-3.5", 45.0, 0.03),
+            ("quad-8", 80.0, 0.03),
+            ("hexa-6", 60.0, 0.03),
+            ("octo-9", 100.0, 0.03),
+        ] {
             let text = format!("[vehicle]\npreset = {vehicle:?}");
             let v = Scenario::parse(&text, "s.toml").unwrap().vehicle;
-            let most = 4.0 * v.thrust_coefficient * v.rotor_speed_max * v.rotor_speed_max;
+            let most = crate::plant::hubs(&v).len() as f64
+                * v.thrust_coefficient
+                * v.rotor_speed_max
+                * v.rotor_speed_max;
             let carried = (v.mass + length * density) * 9.81 + 10.0;
             assert!(most > 1.25 * carried, "{vehicle}: {most} N for {carried} N");
         }
         let unknown = Scenario::parse(&text("quad-4", "power-30"), "s.toml").unwrap_err().0;
         assert_eq!(
             unknown,
-            "s.toml: vehicle.preset = \"quad-4\" is none of quad-1.5, quad-3.5, quad-8"
+            "s.toml: vehicle.preset = \"quad-4\" is none of hexa-6, octo-9, quad-1.5, quad-3.5, quad-8"
         );
     }
 
