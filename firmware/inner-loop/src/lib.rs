@@ -63,16 +63,17 @@ impl<SPI: SpiDevice, PWM: SetDutyCycle> InnerLoop<SPI, PWM> {
     /// On the ground, disarmed; `spi` is the inertial sensor's.
     pub fn new(spi: SPI, motors: MotorOutputs<PWM>, params: Params) -> Self {
         let imu = Icm42688::new(spi, icm42688::Config::default());
-        let mut vehicle = vehicle(params, scale(&imu));
-        vehicle.set_outputs(motors.outputs());
+        let vehicle = vehicle(params, scale(&imu));
         Self { imu, motors, vehicle }
     }
 
-    /// Sets the inertial sensor up.
+    /// Sets the inertial sensor up, and tells the vehicle how many motors the board can drive.
     ///
     /// # Errors
     /// The driver's. Without the sensor the vehicle does not arm.
     pub fn set_up(&mut self, delay: &mut impl DelayNs) -> Result<(), icm42688::Error<SPI::Error>> {
+        // Not in `new`: a vehicle that is changed before it is in its place would be built twice on the stack.
+        self.vehicle.set_outputs(self.motors.outputs());
         self.imu.init(delay)
     }
 

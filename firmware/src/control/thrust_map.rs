@@ -4,6 +4,12 @@
 
 use crate::param::Params;
 use crate::scalar::Scalar;
+use crate::time::INNER_DT;
+
+/// Of the nominal voltage: the least and most that is compensated, and how fast, 1/s.
+const LEAST: f64 = 0.75;
+const MOST: f64 = 1.2;
+const SLEW: f64 = 0.1;
 
 /// Curve and nominal point.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -24,6 +30,17 @@ impl<S: Scalar> ThrustMap<S> {
             factor: S::from_f32(p.thrust_factor),
             nominal_voltage: (p.nominal_voltage > 1.0).then(|| S::from_f32(p.nominal_voltage)),
         }
+    }
+
+    /// The voltage to fly by, V, a millisecond after `last`: within what a pack does, and no faster than one sags. A
+    /// reading that is off shall not be a step of the thrust.
+    #[must_use]
+    pub fn follow(&self, last: Option<S>, voltage: Option<S>) -> Option<S> {
+        let (nominal, shown) = (self.nominal_voltage?, voltage?);
+        let shown = shown.limit(nominal * S::lit(LEAST), nominal * S::lit(MOST));
+        let last = last.unwrap_or(shown);
+        let most = nominal * S::lit(SLEW * INNER_DT);
+        Some(last + (shown - last).limit_abs(most))
     }
 
     /// Throttle, 0..1 for whatever thrust in N. An implausible voltage (below half or above 1.5 times the
@@ -85,6 +102,14 @@ mod tests {
                 }
             }
         }
+        let map = ThrustMap::<f64>::new(&Params::default());
+        let mut voltage = map.follow(None, Some(15.2));
+        for _ in 0..1000 {
+            voltage = map.follow(voltage, Some(5.0));
+        }
+        assert!((voltage.unwrap() - 13.68).abs() < 1e-6, "a tenth in a second");
+        (0..2000).for_each(|_| voltage = map.follow(voltage, Some(5.0)));
+        assert!((voltage.unwrap() - 11.4).abs() < 1e-6, "and no further than a pack goes");
         let map = ThrustMap::<f32>::new(&Params::default());
         assert_eq!(map.throttle(4.0, Some(0.3)).to_bits(), map.throttle(4.0, None).to_bits());
     }

@@ -96,6 +96,8 @@ pub struct NavigationState<S: Scalar> {
     altitude_at: Option<Micros>,
     pending_altitude: Option<S>,
     payout: PayoutState<S>,
+    /// Of the encoder, until the filter's next step: no other millisecond has the time for it.
+    shown_length: Option<Sample<S>>,
     pending_length: Option<Sample<S>>,
     pending_place: Option<Sample<Capture<S>>>,
     pending_velocity: Option<Sample<Body<V3<S>>>>,
@@ -157,6 +159,7 @@ impl<S: Scalar> Navigation<S> {
             altitude_at: None,
             pending_altitude: None,
             payout: PayoutState::new(),
+            shown_length: None,
             pending_length: None,
             pending_place: None,
             pending_velocity: None,
@@ -224,8 +227,7 @@ impl<S: Scalar> Navigation<S> {
             state.altitude_at = Some(altitude.at);
             state.pending_altitude = Some(altitude.value);
         }
-        let paid_out = sensors.tether_length.and_then(|shown| state.payout.step(shown));
-        state.pending_length = paid_out.or(state.pending_length);
+        state.shown_length = sensors.tether_length.or(state.shown_length);
         state.pending_place = sensors.capture.or(state.pending_place);
         state.pending_velocity = sensors.velocity.or(state.pending_velocity);
         if let Some(sample) = &sensors.capture
@@ -285,6 +287,8 @@ impl<S: Scalar> Navigation<S> {
             error: sensors.altitude_error,
         };
         state.payout.predict(state.position.outwards(&force), &inertia, dt);
+        let paid_out = state.shown_length.take().and_then(|shown| state.payout.step(shown));
+        state.pending_length = paid_out.or(state.pending_length);
         match phase {
             Phase::Resting => {
                 if let Some(attitude) = self.position.rest(&mut state.position) {

@@ -200,7 +200,7 @@ impl<S: Scalar> Sense<S> {
             imu_health: self.check.health(&state.check, now),
             altitude_is_fresh: self.altimeter.is_fresh(&state.altimeter, now),
             altitude_is_ranged: self.altimeter.is_ranged(&state.altimeter, now),
-            altitude_error: self.altimeter.error(&state.altimeter, now),
+            altitude_error: self.altimeter.error(&state.altimeter),
             altimeters: self.altimeter.report(&state.altimeter),
             tether_is_fresh: state.tether_at.is_some_and(|at| now.since(at) < TETHER_TIMEOUT_US),
             imu_temperature: state.temperature,

@@ -57,6 +57,10 @@ impl<S: Scalar> LineWatch<S> {
     pub fn step(&mut self, input: Option<&LineInput<S>>, dt: S) -> LineFault {
         let Some(z) = input else {
             (self.length, self.rate) = (None, S::zero());
+            if self.caught <= S::zero() && self.pulled <= S::zero() {
+                self.fault = LineFault::default();
+                return self.fault;
+            }
             return self.judge(false, false, dt);
         };
         let is_much = z.tension > z.asked * S::lit(TIMES) && z.tension > z.asked + S::lit(MORE);

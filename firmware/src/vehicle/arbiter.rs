@@ -115,9 +115,9 @@ impl<S: Scalar> Vehicle<S> {
         self.doubt(at.now);
         let cx = self.context(at);
         let facts = self.failsafe_facts(&cx);
-        let is_armable = ArmingCheck::first_failure(&self.arming_facts(&cx), false).is_none();
-        self.state.is_armable = is_armable && self.state.is_consistent;
         if self.situation.armed_at.is_none() {
+            let is_armable = ArmingCheck::first_failure(&self.arming_facts(&cx), false).is_none();
+            self.state.is_armable = is_armable && self.state.is_consistent;
             self.state.failsafe = FailsafeState::default();
             self.state.doubt = None;
             return;

@@ -78,13 +78,14 @@ impl<S: Scalar> Vehicle<S> {
     }
 
     fn watch_rotors(&mut self) {
+        let Some(watch) = &self.config.rotor_watch else { return };
         // The ground turns a vehicle too.
         let flies = self.is_clear() && self.state.contact_ramp >= S::one();
         let (situation, state) = (&self.situation, &mut self.state);
-        let Some(watch) = self.config.rotor_watch.as_ref().filter(|_| flies) else {
+        if !flies {
             state.rotor_watch = RotorWatchState::default();
             return;
-        };
+        }
         let (rate, torque) = (&situation.estimate.rate, &state.wrench.torque);
         let found = watch.step(&mut state.rotor_watch, rate, torque, &state.actuation.thrusts);
         // The torque that is asked of a rotor taken for dead is missed on: one that was named wrongly is found after all.

@@ -105,6 +105,8 @@ struct State<S: Scalar> {
     considered: Option<Ticket>,
     /// Asked on the ground while the blocks still follow the parameters.
     waiting: Deque<Request, WAITING>,
+    /// The battery's, as the motors are driven by it, V.
+    voltage: Option<S>,
     rate: RateState<S>,
     wrench: Wrench<S>,
     actuation: Actuation<S>,
@@ -207,6 +209,7 @@ impl<S: Scalar> Vehicle<S> {
             echo: None,
             considered: None,
             waiting: Deque::new(),
+            voltage: None,
             rate: RateState::default(),
             wrench: Wrench { thrust: S::zero(), torque: Body(V3::zeros()) },
             actuation: Actuation {
@@ -439,9 +442,11 @@ impl<S: Scalar> Vehicle<S> {
             situation.mixer = MixerReport::default();
             state.wrench = Wrench { thrust: S::zero(), torque: Body(V3::zeros()) };
             state.rate = RateState::default();
+            state.voltage = None;
             return;
         }
-        let voltage = sensors.battery.map(|battery| battery.voltage);
+        let shown = sensors.battery.map(|battery| battery.voltage);
+        state.voltage = self.config.thrust_map.follow(state.voltage, shown);
         if situation.setpoints.ground == GroundState::OnGround {
             let idle = self.config.mixer.min;
             state.actuation.thrusts.fill(idle);
@@ -488,6 +493,6 @@ impl<S: Scalar> Vehicle<S> {
             situation.mixer = self.config.mixer.step(&state.wrench, &mut state.actuation.thrusts);
         }
         let Actuation { thrusts, throttle, .. } = &mut state.actuation;
-        self.config.thrust_map.throttles(thrusts, voltage, throttle);
+        self.config.thrust_map.throttles(thrusts, state.voltage, throttle);
     }
 }

@@ -11,7 +11,7 @@ use super::{
 };
 use crate::control::{PositionState, RadialControl};
 use crate::frames::{V3, World};
-use crate::math::wrap_pi;
+use crate::math::so3;
 use crate::scalar::Scalar;
 use crate::signal::SphericalPoint;
 use crate::supervisor::{Failure, GroundState};
@@ -30,8 +30,8 @@ const SLIDE_LEAN: f64 = 0.3;
 const SAG_FROM: f64 = 0.5;
 const SAG_TIME: f64 = 0.1;
 
-/// A vehicle that turns by so much, rad, lower than this over the ground, m, has a rotor too few.
-const TURNED: f64 = 0.6;
+/// A vehicle that turns by so much (tangent of 35 degrees) lower than this over the ground, m, has a rotor too few.
+const TURNED: f64 = 0.7;
 const TURNED_LOW: f64 = 0.2;
 
 /// What moves.
@@ -39,8 +39,8 @@ const TURNED_LOW: f64 = 0.2;
 pub(super) struct Takeoff<S: Scalar> {
     /// m over the anchor; the parameter's if nobody gave one.
     altitude: Option<f32>,
-    /// Heading when the thrust began to rise, rad.
-    heading: Option<S>,
+    /// Where the nose pointed when the thrust began to rise, world axes.
+    nose: Option<V3<S>>,
     /// Time in the thrust ramp on the ground, s.
     spool: S,
     /// Volts per cell at rest, and how long they would have been too low in a hover, s.
@@ -64,7 +64,7 @@ impl<S: Scalar> FlightMode<S> for Takeoff<S> {
         }
         let takeoff = Self {
             altitude: entry.altitude,
-            heading: None,
+            nose: None,
             spool: S::zero(),
             rested: None,
             sagging: S::zero(),
@@ -126,8 +126,7 @@ impl<S: Scalar> Takeoff<S> {
                 let text = "Take-off failed: altitude beyond the tether";
                 return Err(Exit { failure: Failure::NoLiftOff, text });
             }
-            let (.., yaw) = situation.estimate.attitude.euler();
-            self.heading = Some(yaw);
+            self.nose = Some(so3::col_x(&situation.estimate.attitude.0));
             self.spool = S::zero();
             self.sagging = S::zero();
             self.rested = cell_voltage(cx);
@@ -178,9 +177,10 @@ impl<S: Scalar> Takeoff<S> {
     fn turns(&self, cx: &Context<'_, S>) -> bool {
         let estimate = &cx.situation.estimate;
         let is_low = estimate.height < cx.config.touch_down.ground_height + S::lit(TURNED_LOW);
-        let (.., yaw) = estimate.attitude.euler();
-        let turned = self.heading.map_or(S::zero(), |heading| wrap_pi(yaw - heading));
-        is_low && turned.abs() > S::lit(TURNED)
+        let Some(from) = self.nose.filter(|_| is_low) else { return false };
+        let to = so3::col_x(&estimate.attitude.0);
+        let (along, across) = (from.x * to.x + from.y * to.y, from.x * to.y - from.y * to.x);
+        across.abs() > along * S::lit(TURNED)
     }
 
     /// Whether the battery would be low in a hover: the drop so far, by the current that goes with the thrust.

@@ -12,9 +12,9 @@ const DISTANCE_MIN: f64 = 0.3;
 const SOUND: f64 = 1.5;
 
 impl<S: Scalar> FullFlightState<S> {
-    /// Under a specific force, m/s²; `None` while the line is slack or the feet touch.
+    /// Under a specific force, m/s²; `None` without a winch, while the line is slack or the feet touch.
     pub fn outwards(&self, force: &World<V3<S>>) -> Option<Outwards<S>> {
-        if self.is_touching || !self.load.is_taut {
+        if self.payout.is_none() || self.is_touching || !self.load.is_taut {
             return None;
         }
         let (place, velocity) = (self.state.position, self.state.velocity);

@@ -69,6 +69,8 @@ pub struct AltimeterState<S: Scalar> {
     apart: S,
     together: S,
     report: AltimeterReport,
+    /// How far inertia is from what the altimeters show, m.
+    error: S,
 }
 
 /// What is known beside the altimeters.
@@ -106,6 +108,7 @@ impl<S: Scalar> Altimeter<S> {
             let dt = dt * S::lit(f64::from(DECIMATION));
             state.range.predict(motion.accel_up, dt);
             state.baro.predict(motion.accel_up, dt);
+            state.error = state.error_now();
         }
         let ranged = raw.range.and_then(|sample| self.ranged(state, &sample, motion));
         let baro = raw.barometer.and_then(|sample| self.barometric(state, &sample, motion));
@@ -236,20 +239,28 @@ impl<S: Scalar> Altimeter<S> {
         is_fresh && state.is_ranged
     }
 
-    /// How far inertia is from what the altimeters show, m: from the nearer one, for a single one may lie.
-    pub fn error(&self, state: &AltimeterState<S>, now: Micros) -> S {
-        let size = |witness: &Witness<S>| witness.error.abs().max(witness.last.abs());
-        let range = fresh(state.ranged, now).map(|_| size(&state.range));
-        let baro = fresh(state.barometric, now).map(|_| size(&state.baro));
-        match (range, baro) {
-            (Some(range), Some(baro)) => range.min(baro),
-            (one, other) => one.or(other).unwrap_or(S::zero()),
-        }
+    /// How far inertia is from what the altimeters show, m.
+    pub fn error(&self, state: &AltimeterState<S>) -> S {
+        state.error
     }
 
     /// Which of the two is not believed.
     pub fn report(&self, state: &AltimeterState<S>) -> AltimeterReport {
         state.report
+    }
+}
+
+impl<S: Scalar> AltimeterState<S> {
+    /// From the nearer one, for a single one may lie, m.
+    fn error_now(&self) -> S {
+        let Some(now) = self.any_at else { return S::zero() };
+        let size = |witness: &Witness<S>| witness.error.abs().max(witness.last.abs());
+        let range = fresh(self.ranged, now).map(|_| size(&self.range));
+        let baro = fresh(self.barometric, now).map(|_| size(&self.baro));
+        match (range, baro) {
+            (Some(range), Some(baro)) => range.min(baro),
+            (one, other) => one.or(other).unwrap_or(S::zero()),
+        }
     }
 }
 

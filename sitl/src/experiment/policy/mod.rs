@@ -16,7 +16,7 @@ use tautline_firmware::signal::Event;
 /// Random flights without a wish of the user's.
 const SEEDS: u64 = 1000;
 /// Until the vehicle stands again, s.
-const LONGEST: f64 = 300.0;
+const LONGEST: f64 = 400.0;
 /// It rests so long with its motors off before the flight counts as over, s.
 const OVER: f64 = 2.0;
 /// Height from which it has flown, m.
@@ -85,10 +85,11 @@ impl Watch {
 
     fn remember(&mut self, flight: &Flight<Sink>, time: f64) {
         let (out, memory) = (flight.output(), &mut self.memory);
-        let height = flight.world.environment.plant.height_over_ground();
+        let plant = &flight.world.environment.plant;
+        let (height, over) = (plant.height_over_ground(), rules::height(plant));
         memory.has_flown = out.is_armed && (memory.has_flown || height > FLOWN);
         memory.lowest = (out.is_armed && out.mode.lands())
-            .then(|| memory.lowest.map_or(height, |low: f64| low.min(height)));
+            .then(|| memory.lowest.map_or(over, |low: f64| low.min(over)));
         memory.repeated = 0;
         if out.reply.is_none() {
             for event in out.events.iter() {

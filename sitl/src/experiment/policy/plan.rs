@@ -2,7 +2,7 @@
 
 use crate::flight::MavlinkSender;
 use crate::plant::{Generator, generator, uniform};
-use crate::scenario::{Axis, FAULTS, FaultRule, FaultSection, Scenario};
+use crate::scenario::{Axis, FAULTS, FaultKind, FaultRule, FaultSection, Scenario};
 use mavlink::dialects::common::{
     COMMAND_LONG_DATA, MANUAL_CONTROL_DATA, MavCmd, MavParamType, PARAM_SET_DATA,
 };
@@ -29,8 +29,10 @@ const BASES: [&str; 6] = [
 ];
 const OWN_MISSION: usize = 2;
 
+const MOTORS: [FaultKind; 2] = [FaultKind::MotorStopped, FaultKind::MotorStuck];
 /// What a vehicle is a match for: no file forbids 1,000 N, and no vehicle of 1.5 kg has a rule for them.
-const MOST: [(&str, f64); 4] = [("N", 15.0), ("m/s^2", 12.0), ("rad/s", 3.0), ("m/s", 8.0)];
+const MOST: [(&str, f64); 6] =
+    [("N", 10.0), ("m/s^2", 12.0), ("rad/s", 3.0), ("m/s", 8.0), ("m", 6.0), ("V", 8.0)];
 
 const COMMANDS: [MavCmd; 11] = [
     MavCmd::MAV_CMD_COMPONENT_ARM_DISARM,
@@ -203,12 +205,14 @@ impl Plan {
         Ok(Self { scenario, params, asks })
     }
 
-    /// No more than one thing is broken, and no stranger set a parameter: whatever the sensors say, most of it is true.
+    /// No more than one thing is broken, and no stranger set a parameter: whatever the sensors say, most of it is true. A
+    /// quadrotor without a rotor is nobody's to command.
     #[must_use]
     pub fn is_simple(&self) -> bool {
         let usual = self.scenario.params().is_ok_and(|usual| usual == self.params);
         usual
             && self.scenario.fault.len() <= 1
+            && !self.scenario.fault.iter().any(|f| MOTORS.contains(&f.kind))
             && !self.asks.iter().any(|(_, ask)| matches!(ask, Ask::Set(..)))
     }
 
