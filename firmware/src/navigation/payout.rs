@@ -19,8 +19,10 @@ const AGREES_TIME: f64 = 0.3;
 /// In doubt for longer, s, it is taken out, or believed if it is within this of the filter, m.
 const PATIENCE: f64 = 1.2;
 const BELIEVED: f64 = 0.2;
-/// What inertia and the altimeters are apart counts so often. A sensor that was silent is no witness for a while, s.
+/// What inertia and the altimeters are apart counts so often. A sensor that was silent is no witness for a
+/// while, until the attitude has settled, nor a filter that was off, s.
 const MARGIN: f64 = 2.0;
+const SILENT: f64 = 10.0;
 const BLIND: f64 = 2.0;
 /// One that shows the same to the last bit is stuck: for so long, s, while the vehicle moves by this, m; or for so long,
 /// s, and so many times longer than ever before in this flight.
@@ -99,8 +101,12 @@ impl<S: Scalar> PayoutState<S> {
     /// `dt` s on; `None` while the line does not say where the vehicle is.
     pub fn predict(&mut self, outwards: Option<Outwards<S>>, inertia: &Inertia<S>, dt: S) {
         let is_sound = outwards.is_none_or(|outwards| outwards.is_sound);
-        self.blind = if inertia.is_known && is_sound { self.blind - dt } else { S::lit(BLIND) };
-        self.blind = self.blind.max(S::zero());
+        let at_least = match (inertia.is_known, is_sound) {
+            (false, _) => S::lit(SILENT),
+            (true, false) => S::lit(BLIND),
+            (true, true) => S::zero(),
+        };
+        self.blind = (self.blind - dt).max(at_least);
         self.margin = inertia.error.abs() * S::lit(MARGIN);
         match &outwards {
             Some(outwards) if self.blind <= S::zero() => {
