@@ -58,7 +58,7 @@ pub const IMAGES: [Image; 5] = [
         target: M4F,
         flight: "CAN1_SCE",
         chip: "STM32F405RG",
-        flash: 220 * KIB,
+        flash: 224 * KIB,
         ram: 64 * KIB,
     },
     Image {
@@ -80,7 +80,7 @@ pub const IMAGES: [Image; 5] = [
         target: M4F,
         flight: "FDCAN1_IT0",
         chip: "STM32H743VI",
-        flash: 384 * KIB,
+        flash: 388 * KIB,
         ram: 80 * KIB,
     },
     Image {
