@@ -30,6 +30,8 @@ const STUCK_TIME: f64 = 0.2;
 const STUCK_WAY: f64 = 0.06;
 const STILL_TIME: f64 = 2.0;
 const STILL_TIMES: f64 = 4.0;
+/// An encoder of coarser steps, m, may well stand still in calm air.
+const COARSE: f64 = 0.02;
 
 /// The distance from the anchor as the filter knows it, m, its rate, m/s, and the acceleration along it, m/s².
 #[derive(Clone, Copy, Debug)]
@@ -76,6 +78,8 @@ pub(super) struct PayoutState<S> {
     /// How long it has shown the same, s, and the longest so far in this flight.
     same: S,
     longest: S,
+    /// Its smallest step so far, m; zero: it has not moved.
+    finest: S,
     /// It does not move though the vehicle does.
     pub is_stuck: bool,
 }
@@ -94,6 +98,7 @@ impl<S: Scalar> PayoutState<S> {
             doubt: None,
             same: o,
             longest: o,
+            finest: o,
             is_stuck: false,
         }
     }
@@ -147,6 +152,8 @@ impl<S: Scalar> PayoutState<S> {
     fn watch(&mut self, way: S, dt: S) {
         let was_stuck = self.is_stuck;
         if way.abs() > S::zero() {
+            let step = way.abs();
+            self.finest = if self.finest > S::zero() { self.finest.min(step) } else { step };
             if self.outwards.is_some() && !was_stuck {
                 self.longest = self.longest.max(self.same);
             }
@@ -159,10 +166,11 @@ impl<S: Scalar> PayoutState<S> {
         self.same += dt;
         let Some(witness) = &self.witness else { return };
         let shown = self.last.map_or(S::zero(), |last| last.value - self.offset);
-        let moves = witness.error_of(shown).abs() > S::lit(STUCK_WAY) + self.margin;
+        let moves = witness.error_of(shown).abs() > S::lit(STUCK_WAY) + self.finest + self.margin;
         // What was never seen to move in this flight says nothing by standing still.
         let still = S::lit(STILL_TIME).max(self.longest * S::lit(STILL_TIMES));
-        let is_still = self.longest > S::zero() && self.same > still;
+        let is_fine = self.finest < S::lit(COARSE);
+        let is_still = is_fine && self.longest > S::zero() && self.same > still;
         self.is_stuck |= is_still || (moves && self.same > S::lit(STUCK_TIME));
     }
 
@@ -291,6 +299,17 @@ mod tests {
         assert!(state.is_stuck);
         assert_eq!(show(&mut state, 7000, 7.0), None);
         fly(&mut state, 7.02, 0.1, |t| 7.01 + t, at_rest);
+        assert!(!state.is_stuck);
+    }
+
+    #[test]
+    fn a_coarse_encoder_may_stand_still_in_calm_air() {
+        let mut state = PayoutState::new();
+        let coarse = |length: f64| (length / 0.1).round() * 0.1;
+        let climbs =
+            |t: f64| Outwards { distance: 5.0 + 0.5 * t, rate: 0.5, accel: 0.0, is_sound: true };
+        fly(&mut state, 0.0, 4.0, |t| coarse(5.0 + 0.5 * t), climbs);
+        fly(&mut state, 4.0, 8.0, |_| 7.0, at_rest);
         assert!(!state.is_stuck);
     }
 }
