@@ -12,7 +12,7 @@ use tautline_firmware::supervisor::{FailsafeAction, Failure, GroundState, Mode};
 use tautline_firmware::vehicle::StepOutput;
 use tautline_sitl::flight::{Flight, MavlinkSender};
 use tautline_sitl::scenario::{FaultKind, FaultSection, Scenario, Step};
-use tautline_tests::{HOLD, flight, run, until};
+use tautline_tests::{HOLD, ask, flight, run, stream, until};
 
 const FAULTS: [(FaultKind, f64); 13] = [
     (FaultKind::ImuFrozen, 0.0),
@@ -30,19 +30,10 @@ const FAULTS: [(FaultKind, f64); 13] = [
     (FaultKind::RodUnseen, 0.0),
 ];
 
-/// Asks for a mode as a ground station does.
-fn ask(flight: &mut Flight<Vec<u8>>, mode: Mode) {
-    let [_, _, main, sub] = mode.rule().custom_mode.to_le_bytes();
-    let message = COMMAND_LONG_DATA {
-        command: MavCmd::MAV_CMD_DO_SET_MODE,
-        param1: 1.0,
-        param2: f32::from(main),
-        param3: f32::from(sub),
-        target_system: 1,
-        target_component: 1,
-        ..COMMAND_LONG_DATA::default()
-    };
-    let frame = MavlinkSender::new(255, 190).frame(&message);
+/// A joystick in its middle.
+fn hold_sticks(flight: &mut Flight<Vec<u8>>) {
+    let stick = MANUAL_CONTROL_DATA { z: 500, target: 1, ..MANUAL_CONTROL_DATA::default() };
+    let frame = MavlinkSender::new(255, 190).frame(&stick);
     flight.world.receive(&frame, &mut |_| {});
 }
 
@@ -95,12 +86,20 @@ fn in_mode_of(mode: Mode, seed: u64) -> Flight<Vec<u8>> {
             until(&mut flight, 60.0, |out| out.mode == Mode::Altitude && out.estimate.height > 2.0);
             ask(&mut flight, mode);
         }
+        Mode::Offboard | Mode::Position => {
+            until(&mut flight, 80.0, |out| {
+                out.mode == Mode::TetherHold && out.ground == GroundState::InAir
+            });
+            stream(&mut flight, None, [0.0; 3]);
+            hold_sticks(&mut flight);
+            ask(&mut flight, mode);
+        }
         Mode::TautAttitude => {
             until(&mut flight, 80.0, |out| out.mode == Mode::TautForce);
             run(&mut flight, 2.0);
             ask(&mut flight, mode);
         }
-        Mode::Land | Mode::Descent => {
+        Mode::Land | Mode::Return | Mode::Descent => {
             until(&mut flight, 80.0, |out| {
                 out.mode == Mode::TetherHold && out.ground == GroundState::InAir
             });
@@ -109,7 +108,7 @@ fn in_mode_of(mode: Mode, seed: u64) -> Flight<Vec<u8>> {
         _ => {}
     }
     until(&mut flight, 80.0, is_there);
-    run(&mut flight, if mode == Mode::Stabilize { 0.2 } else { 2.0 });
+    run(&mut flight, if matches!(mode, Mode::Stabilize | Mode::Offboard | Mode::Position) { 0.2 } else { 2.0 });
     flight
 }
 
@@ -188,6 +187,9 @@ every_fault! {
     every_fault_in_taut_attitude_is_told_and_carries_its_bit: TautAttitude;
     every_fault_in_tether_angle_is_told_and_carries_its_bit: TetherAngle;
     every_fault_in_pendulum_is_told_and_carries_its_bit: Pendulum;
+    every_fault_in_return_is_told_and_carries_its_bit: Return;
+    every_fault_in_position_is_told_and_carries_its_bit: Position;
+    every_fault_in_offboard_is_told_and_carries_its_bit: Offboard;
 }
 
 /// The cable is cut; the first step of the descent.
@@ -275,9 +277,7 @@ fn set(flight: &mut Flight<Vec<u8>>, name: &str, value: f32) {
 #[test]
 fn a_pilots_escape_does_not_lift_the_ban_that_a_cut_cable_set() {
     let (mut flight, _) = cut_in(Mode::TetherAngle, 3);
-    let stick = MANUAL_CONTROL_DATA { target: 1, z: 500, ..MANUAL_CONTROL_DATA::default() };
-    let frame = MavlinkSender::new(255, 190).frame(&stick);
-    flight.world.receive(&frame, &mut |_| {});
+    hold_sticks(&mut flight);
     run(&mut flight, 0.02);
     ask(&mut flight, Mode::Altitude);
     until(&mut flight, 0.2, |out| out.mode == Mode::Altitude);

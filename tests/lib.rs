@@ -3,9 +3,13 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "test support")]
 
 use mavlink::MessageData;
-use std::io::Sink;
+use mavlink::dialects::common::{
+    COMMAND_LONG_DATA, MavCmd, MavFrame, PositionTargetTypemask, SET_POSITION_TARGET_LOCAL_NED_DATA,
+};
+use std::io::{Sink, Write};
 use tautline_firmware::mavlink::Connection;
 use tautline_firmware::param::Params;
+use tautline_firmware::supervisor::Mode;
 use tautline_firmware::time::Micros;
 use tautline_firmware::vehicle::StepOutput;
 use tautline_sitl::flight::{Flight, MavlinkSender};
@@ -114,11 +118,52 @@ pub fn is_safe(flight: &Flight<Sink>) {
     assert!(!flight.output().is_armed, "motors run");
 }
 
-/// A link that has heard one message of some device.
+/// Asks for a mode, as the operator's ground station does.
+pub fn ask<W: Write>(flight: &mut Flight<W>, mode: Mode) {
+    let [_, _, main, sub] = mode.rule().custom_mode.to_le_bytes();
+    let message = COMMAND_LONG_DATA {
+        command: MavCmd::MAV_CMD_DO_SET_MODE,
+        param1: 1.0,
+        param2: f32::from(main),
+        param3: f32::from(sub),
+        target_system: 1,
+        target_component: 1,
+        ..COMMAND_LONG_DATA::default()
+    };
+    let frame = MavlinkSender::new(255, 190).frame(&message);
+    flight.world.receive(&frame, &mut |_| {});
+}
+
+/// One set-point of a program's stream: a place, or none, and a velocity, world axes.
+pub fn stream<W: Write>(flight: &mut Flight<W>, place: Option<[f64; 3]>, velocity: [f64; 3]) {
+    // Accelerations and yaw are never given; these bits leave out the place.
+    const NO_ACCELERATION_NO_YAW: u16 = 0b1101_1100_0000;
+    const NO_PLACE: u16 = 0b111;
+    let left_out = if place.is_some() { 0 } else { NO_PLACE };
+    let [x, y, z] = place.unwrap_or_default().map(|x| x as f32);
+    let [vx, vy, vz] = velocity.map(|x| x as f32);
+    let message = SET_POSITION_TARGET_LOCAL_NED_DATA {
+        x,
+        y,
+        z,
+        vx,
+        vy,
+        vz,
+        type_mask: PositionTargetTypemask::from_bits_truncate(NO_ACCELERATION_NO_YAW | left_out),
+        target_system: 1,
+        target_component: 1,
+        coordinate_frame: MavFrame::MAV_FRAME_LOCAL_NED,
+        ..SET_POSITION_TARGET_LOCAL_NED_DATA::default()
+    };
+    let frame = MavlinkSender::new(255, 190).frame(&message);
+    flight.world.receive(&frame, &mut |_| {});
+}
+
+/// A link that has heard one message of a device of the vehicle's own.
 #[must_use]
 pub fn heard<D: MessageData>(message: &D) -> Connection {
     let mut link = Connection::new();
-    let bytes = MavlinkSender::new(200, 197).frame(message);
+    let bytes = MavlinkSender::new(1, 197).frame(message);
     link.receive_datagram(Micros(1000), &bytes, &Params::default(), &mut |_| {});
     link
 }

@@ -5,7 +5,7 @@
 use mavlink::dialects::common as mav;
 use mavlink::{MAVLinkV2MessageRaw, MavHeader, MavlinkVersion, MessageData};
 use tautline_firmware::mavlink::{Frame, Parser};
-use tautline_firmware::param::{META, Params};
+use tautline_firmware::param::{ALIASES, META, Params};
 use tautline_firmware::supervisor::{GroundState, Mode};
 use tautline_sitl::flight::Flight;
 use tautline_sitl::plant::{generator, uniform};
@@ -120,16 +120,18 @@ fn every_command_number_is_acknowledged_once() {
 fn the_parameter_list_is_whole_and_a_bad_value_is_answered_with_the_old_one() {
     let mut flight = flight("", 1);
     let request = bytes(&mav::PARAM_REQUEST_LIST_DATA { target_system: 1, target_component: 1 });
-    let heard = say(&mut flight, &request, 4 * META.len() as u32 + 50);
+    let heard = say(&mut flight, &request, 4 * (META.len() + ALIASES.len()) as u32 + 50);
     let values: Vec<_> = heard
         .iter()
         .filter(|f| f.id == mav::PARAM_VALUE_DATA::ID)
         .map(|f| mav::PARAM_VALUE_DATA::deser(MavlinkVersion::V2, f.payload).unwrap())
         .collect();
-    assert_eq!(values.len(), META.len());
-    for (meta, value) in META.iter().zip(&values) {
-        assert_eq!(value.param_id.to_str().unwrap(), meta.name);
-        assert_eq!(usize::from(value.param_count), META.len());
+    let names: Vec<_> =
+        META.iter().map(|meta| meta.name).chain(ALIASES.iter().map(|alias| alias.name)).collect();
+    assert_eq!(values.len(), names.len());
+    for (name, value) in names.iter().zip(&values) {
+        assert_eq!(value.param_id.to_str().unwrap(), *name);
+        assert_eq!(usize::from(value.param_count), names.len());
     }
     let set = |value: f32| {
         bytes(&mav::PARAM_SET_DATA {
@@ -154,7 +156,7 @@ fn the_parameter_list_is_whole_and_a_bad_value_is_answered_with_the_old_one() {
 }
 
 #[test]
-fn a_position_target_moves_the_vehicle_and_a_nan_one_does_not() {
+fn a_position_target_moves_the_vehicle_in_offboard_alone_and_a_nan_one_never() {
     let mut flight = flight(HOLD, 1);
     until(&mut flight, 80.0, |out| {
         out.mode == Mode::TetherHold && out.ground == GroundState::InAir
@@ -171,15 +173,27 @@ fn a_position_target_moves_the_vehicle_and_a_nan_one_does_not() {
             ..Default::default()
         })
     };
-    let before = flight.world.connection.counters().refused;
-    say(&mut flight, &target(f32::NAN, 0.0, -5.0), 10);
-    assert_eq!(flight.world.connection.counters().refused, before + 1);
+    let here = |flight: &Flight<Vec<u8>>| flight.world.environment.plant.body.position;
+    let heard = say(&mut flight, &target(f32::NAN, 0.0, -5.0), 10);
+    assert!(texts(&heard).contains(&"Set-point refused: not a number".to_owned()));
+    let offboard = command(mav::MavCmd::MAV_CMD_DO_SET_MODE, [1.0, 6.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
+    run(&mut flight, 1.0);
+    assert_eq!(acknowledged(&say(&mut flight, &offboard, 20), 176), Some(1), "nothing streams");
+    let before = here(&flight);
+    for _ in 0..10 {
+        say(&mut flight, &target(6.0, 3.0, -6.0), 100);
+    }
+    assert!((here(&flight) - before).norm() < 0.5, "set-points move nothing in Hold");
+    assert_eq!(acknowledged(&say(&mut flight, &offboard, 20), 176), Some(0));
     let heard = say(&mut flight, &target(0.5, 0.0, -60.0), 50);
     assert!(texts(&heard).iter().any(|t| t.starts_with("Move refused")), "{:?}", texts(&heard));
-    say(&mut flight, &target(6.0, 3.0, -6.0), 10);
-    run(&mut flight, 25.0);
-    let p = flight.world.environment.plant.body.position;
+    for _ in 0..250 {
+        say(&mut flight, &target(6.0, 3.0, -6.0), 100);
+    }
+    let p = here(&flight);
     assert!((p.x - 6.0).hypot(p.y - 3.0) < 0.8 && (p.z + 6.0).abs() < 0.4, "{p}");
+    let out = run(&mut flight, 1.0);
+    assert_eq!(out.mode, Mode::TetherHold, "the stream has ended");
 }
 
 #[test]
@@ -190,14 +204,20 @@ fn in_the_air_disarming_and_the_vehicles_own_parameters_are_refused() {
     });
     let arm = mav::MavCmd::MAV_CMD_COMPONENT_ARM_DISARM;
     assert_eq!(acknowledged(&say(&mut flight, &command(arm, [0.0; 7]), 20), 400), Some(2));
-    let mass = bytes(&mav::PARAM_SET_DATA {
-        param_value: 3.0,
-        target_system: 1,
-        target_component: 1,
-        param_id: "VEH_MASS".into(),
-        param_type: mav::MavParamType::MAV_PARAM_TYPE_REAL32,
-    });
-    let heard = say(&mut flight, &mass, 50);
+    let set = |name: &str, value: f32| {
+        bytes(&mav::PARAM_SET_DATA {
+            param_value: value,
+            target_system: 1,
+            target_component: 1,
+            param_id: name.into(),
+            param_type: mav::MavParamType::MAV_PARAM_TYPE_REAL32,
+        })
+    };
+    for locked in ["VEH_MASS", "RATE_P", "HOME_ALT", "THR_MDL_FAC"] {
+        let heard = say(&mut flight, &set(locked, 1.0), 50);
+        assert!(texts(&heard).iter().any(|t| t == "Parameter refused: armed"), "{locked}");
+    }
+    let heard = say(&mut flight, &set("TET_LENGTH", 12.0), 50);
     assert!(texts(&heard).iter().any(|t| t.contains("not in the air")));
     assert!((flight.world.vehicle.params().mass - 1.5).abs() < 1e-6);
     assert!(run(&mut flight, 1.0).is_armed);

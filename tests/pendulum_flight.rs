@@ -64,29 +64,31 @@ fn a_load_is_balanced_along_the_circle_under_a_push_that_lifts() {
 }
 
 #[test]
-fn a_load_at_rest_goes_where_a_position_target_sends_it() {
+fn a_load_at_rest_goes_where_a_reposition_sends_it() {
     let mut flight = balancing(|s| {
         s.params.insert("PND_SPEED".into(), 0.0);
     });
-    let target = mav::SET_POSITION_TARGET_LOCAL_NED_DATA {
-        x: 0.6,
-        y: -0.4,
-        z: -2.5,
-        coordinate_frame: mav::MavFrame::MAV_FRAME_LOCAL_NED,
-        type_mask: mav::PositionTargetTypemask::from_bits_truncate(0b1101_1111_1000),
+    let metres = |x: f32| (x * 1e4) as i32;
+    let target = mav::COMMAND_INT_DATA {
+        param1: -1.0,
+        param4: f32::NAN,
+        x: metres(0.6),
+        y: metres(-0.4),
+        frame: mav::MavFrame::MAV_FRAME_LOCAL_NED,
+        command: mav::MavCmd::MAV_CMD_DO_REPOSITION,
         target_system: 1,
         target_component: 1,
-        ..mav::SET_POSITION_TARGET_LOCAL_NED_DATA::default()
+        ..mav::COMMAND_INT_DATA::default()
     };
     let mut sender = MavlinkSender::new(255, 190);
     let mut say = |flight: &mut Flight<Vec<u8>>, z: f32| {
-        let bytes = sender.frame(&mav::SET_POSITION_TARGET_LOCAL_NED_DATA { z, ..target.clone() });
+        let bytes = sender.frame(&mav::COMMAND_INT_DATA { z, ..target.clone() });
         flight.world.receive(&bytes, &mut |_| {});
         run(flight, 0.05);
     };
     say(&mut flight, -0.8);
     assert!(told(&flight, "vehicle too near the ground"));
-    // Programs repeat their set-point.
+    // Programs repeat what they want.
     for _ in 0..20 {
         say(&mut flight, -2.5);
     }

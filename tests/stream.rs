@@ -2,17 +2,10 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "tests")]
 
-use mavlink::dialects::common::{
-    MavFrame, PositionTargetTypemask, SET_POSITION_TARGET_LOCAL_NED_DATA,
-};
 use tautline_firmware::supervisor::{GroundState, Mode};
-use tautline_sitl::flight::{Flight, MavlinkSender};
+use tautline_sitl::flight::Flight;
 use tautline_sitl::plant::V3;
-use tautline_tests::{HOLD, flight, run, until};
-
-/// Accelerations and yaw are never given; these bits leave out the place.
-const NO_ACCELERATION_NO_YAW: u16 = 0b1101_1100_0000;
-const NO_PLACE: u16 = 0b111;
+use tautline_tests::{HOLD, ask, flight, run, stream, until};
 
 fn holding(kind: &str) -> Flight<Vec<u8>> {
     let text = format!("[tether]\nkind = \"{kind}\"\n{HOLD}");
@@ -24,25 +17,17 @@ fn holding(kind: &str) -> Flight<Vec<u8>> {
     flight
 }
 
+/// In Offboard, standing still.
+fn offboard(kind: &str) -> Flight<Vec<u8>> {
+    let mut flight = holding(kind);
+    stream(&mut flight, None, [0.0; 3]);
+    ask(&mut flight, Mode::Offboard);
+    until(&mut flight, 0.1, |out| out.mode == Mode::Offboard);
+    flight
+}
+
 fn send(flight: &mut Flight<Vec<u8>>, place: Option<V3>, velocity: V3) {
-    let left_out = if place.is_some() { 0 } else { NO_PLACE };
-    let [x, y, z] = place.unwrap_or(V3::zeros()).map(|x| x as f32).into();
-    let [vx, vy, vz] = velocity.map(|x| x as f32).into();
-    let message = SET_POSITION_TARGET_LOCAL_NED_DATA {
-        x,
-        y,
-        z,
-        vx,
-        vy,
-        vz,
-        type_mask: PositionTargetTypemask::from_bits_truncate(NO_ACCELERATION_NO_YAW | left_out),
-        target_system: 1,
-        target_component: 1,
-        coordinate_frame: MavFrame::MAV_FRAME_LOCAL_NED,
-        ..SET_POSITION_TARGET_LOCAL_NED_DATA::default()
-    };
-    let frame = MavlinkSender::new(255, 190).frame(&message);
-    flight.world.receive(&frame, &mut |_| {});
+    stream(flight, place.map(Into::into), velocity.into());
 }
 
 fn truth(flight: &Flight<Vec<u8>>) -> V3 {
@@ -56,7 +41,7 @@ fn reference(flight: &Flight<Vec<u8>>) -> V3 {
 #[test]
 fn a_streamed_circle_on_the_sphere_is_followed_and_ends_where_the_stream_does() {
     for kind in ["fixed", "winch"] {
-        let mut flight = holding(kind);
+        let mut flight = offboard(kind);
         let start = reference(&flight);
         let (length, level) = (start.norm(), start.x.hypot(start.y));
         let elevation = (-start.z).atan2(level);
@@ -84,7 +69,7 @@ fn a_streamed_circle_on_the_sphere_is_followed_and_ends_where_the_stream_does() 
 
 #[test]
 fn a_velocity_alone_moves_it_as_long_as_it_is_sent() {
-    let mut flight = holding("fixed");
+    let mut flight = offboard("fixed");
     let from = reference(&flight);
     for _ in 0..80 {
         send(&mut flight, None, V3::new(0.0, 0.5, 0.0));
@@ -99,7 +84,7 @@ fn a_velocity_alone_moves_it_as_long_as_it_is_sent() {
 
 #[test]
 fn what_is_too_fast_or_leads_out_is_refused_and_what_is_far_is_flown_to_smoothly() {
-    let mut flight = holding("winch");
+    let mut flight = offboard("winch");
     let before = reference(&flight);
     send(&mut flight, None, V3::new(0.0, 9.0, 0.0));
     run(&mut flight, 0.2);
@@ -108,9 +93,9 @@ fn what_is_too_fast_or_leads_out_is_refused_and_what_is_far_is_flown_to_smoothly
         flight.events.iter().any(|(_, event)| event.text == text)
     };
     assert!(told(&flight, "Set-point refused: too fast"));
-    send(&mut flight, Some(before + V3::new(0.0, 3.0, 0.0)), V3::new(0.0, 0.1, 0.0));
     let mut last = before;
     for _ in 0..100 {
+        send(&mut flight, Some(before + V3::new(0.0, 3.0, 0.0)), V3::new(0.0, 0.1, 0.0));
         run(&mut flight, 0.05);
         let now = reference(&flight);
         assert!((now - last).norm() < 0.06, "no jump");

@@ -31,6 +31,7 @@ pub mod command;
 pub mod emulated;
 pub mod experiment;
 pub mod flight;
+pub mod ground;
 pub mod metrics;
 pub mod plant;
 pub mod report;

@@ -9,8 +9,11 @@
 
 use super::frame::Frame;
 use super::{KG_TO_N, Session};
+use crate::param::Params;
 use crate::signal::{RawCapture, RawFairlead, RawTether};
 use crate::time::{Micros, Sample};
+use mavlink::MessageData;
+use mavlink::dialects::common as mav;
 
 /// ODOMETRY: frames understood. LOCAL_FRD is taken as NED, as its sender's heading decides.
 const LOCAL_NED: u8 = 1;
@@ -42,7 +45,23 @@ fn four(frame: &Frame, at: usize) -> [f32; 4] {
 }
 
 impl Session {
-    pub(super) fn odometry(&mut self, now: Micros, frame: &Frame) {
+    /// From the vehicle's own companions, or the one system that MAV_AID_SYS names; strangers are not believed.
+    pub(super) fn measured(&mut self, now: Micros, frame: &Frame, params: &Params) {
+        let named = params.aid_system as u8;
+        let trusted = if named == 0 { self.system } else { named };
+        if frame.system != trusted {
+            return self.refuse();
+        }
+        match frame.id {
+            mav::ODOMETRY_DATA::ID => self.odometry(now, frame),
+            mav::VISION_POSITION_ESTIMATE_DATA::ID => self.vision_position(now, frame),
+            mav::ATT_POS_MOCAP_DATA::ID => self.pose(now, frame),
+            mav::DEBUG_VECT_DATA::ID => self.named_vector(now, frame),
+            _ => self.winch_status(now, frame),
+        }
+    }
+
+    fn odometry(&mut self, now: Micros, frame: &Frame) {
         // frame_id stands behind eighteen floats and two covariances of 21.
         if !matches!(frame.byte(228), LOCAL_NED | LOCAL_FRD) {
             return self.refuse();
@@ -59,12 +78,12 @@ impl Session {
         }
     }
 
-    pub(super) fn vision_position(&mut self, now: Micros, frame: &Frame) {
+    fn vision_position(&mut self, now: Micros, frame: &Frame) {
         let yaw = frame.float(28);
         self.captured(now, three(frame, 8), yaw.is_finite().then_some(yaw));
     }
 
-    pub(super) fn pose(&mut self, now: Micros, frame: &Frame) {
+    fn pose(&mut self, now: Micros, frame: &Frame) {
         self.captured(now, three(frame, 24), heading(four(frame, 8)));
     }
 
@@ -75,7 +94,7 @@ impl Session {
         self.sensors.capture = Some(Sample { at: now, value: RawCapture { position, heading } });
     }
 
-    pub(super) fn named_vector(&mut self, now: Micros, frame: &Frame) {
+    fn named_vector(&mut self, now: Micros, frame: &Frame) {
         let mut name = [0_u8; 10];
         for (at, byte) in (NAME..).zip(&mut name) {
             *byte = frame.byte(at);
@@ -84,8 +103,7 @@ impl Session {
         let value = three(frame, 8);
         let name = name.get(..length);
         if name != Some(ROD) && name != Some(FAIRLEAD) {
-            self.counters.ignored = self.counters.ignored.wrapping_add(1);
-            return;
+            return self.ignore();
         }
         if value.iter().any(|x| !x.is_finite()) {
             return self.refuse();
@@ -98,7 +116,7 @@ impl Session {
         }
     }
 
-    pub(super) fn winch_status(&mut self, now: Micros, frame: &Frame) {
+    fn winch_status(&mut self, now: Micros, frame: &Frame) {
         let millimetres = frame.float(LINE_LENGTH) * 1000.0;
         if !(0.0..1e9).contains(&millimetres) {
             return self.refuse();

@@ -6,6 +6,7 @@
 //! frames are understood too: many scripts speak it until they receive version 2.
 
 use super::checksum::checksum;
+use crate::signal::Ticket;
 use mavlink::dialects::common::MavMessage;
 use mavlink::{MAV_STX, MAV_STX_V2, Message};
 
@@ -42,6 +43,10 @@ impl Frame<'_> {
     #[must_use]
     pub fn int(&self, at: usize) -> i32 {
         i32::from_le_bytes([self.byte(at), self.byte(at + 1), self.byte(at + 2), self.byte(at + 3)])
+    }
+    /// For what its sender asks; 0 where no acknowledgement is wanted.
+    pub(super) fn ticket(&self, command: u16) -> Ticket {
+        Ticket { command, system: self.system, component: self.component, link: 0 }
     }
     /// Two bytes of the payload.
     #[must_use]

@@ -10,21 +10,23 @@
 
 mod capture;
 mod checksum;
-mod commands;
+mod command;
 mod frame;
 mod global;
 mod params;
 mod receive;
 mod schedule;
+mod services;
 mod telemetry;
 
 pub use frame::{Frame, Losses, MAX_FRAME, Parser};
 
 use crate::param::Params;
 use crate::sense::RawSensors;
-use crate::signal::{Event, Outcome, Reply, Request, Severity, Sticks};
+use crate::signal::{Action, Event, Request, Severity, Sticks, Ticket};
 use crate::time::{Micros, Sample};
 use crate::vehicle::StepOutput;
+use command::Calibration;
 use heapless::Deque;
 use mavlink::{MavlinkVersion, MessageData};
 use schedule::Streams;
@@ -64,6 +66,22 @@ pub struct ConnectionCounters {
     pub sent: u32,
 }
 
+impl ConnectionCounters {
+    /// Of both.
+    #[must_use]
+    pub fn plus(self, other: Self) -> Self {
+        Self {
+            received: self.received.wrapping_add(other.received),
+            ignored: self.ignored.wrapping_add(other.ignored),
+            garbage_bytes: self.garbage_bytes.wrapping_add(other.garbage_bytes),
+            bad_frames: self.bad_frames.wrapping_add(other.bad_frames),
+            refused: self.refused.wrapping_add(other.refused),
+            overflowed: self.overflowed.wrapping_add(other.overflowed),
+            sent: self.sent.wrapping_add(other.sent),
+        }
+    }
+}
+
 /// One MAVLink connection.
 #[derive(Debug, Default)]
 pub struct Connection {
@@ -74,8 +92,17 @@ pub struct Connection {
 /// A connection but for the frames that come in, which borrow the parser while they are handled.
 #[derive(Debug)]
 struct Session {
+    /// Of this connection, as the host counts them.
+    link: u8,
     system: u8,
     sequence: u8,
+    /// Ground station that has the command, while the vehicle is armed.
+    commander: Option<u8>,
+    /// The host answers for files, logs and a shell itself.
+    is_served: bool,
+    calibration: Calibration,
+    /// When a set-point was last told to be wrong.
+    told_at: Option<Micros>,
     counters: ConnectionCounters,
     heartbeat_at: Option<Micros>,
     sticks: Option<Sample<Sticks>>,
@@ -87,7 +114,7 @@ struct Session {
     /// Next parameter of a running list.
     listing: Option<u16>,
     /// Single parameters to tell.
-    echoes: Deque<u16, 8>,
+    echoes: Deque<u16, 16>,
     /// Messages asked for once, with their second argument.
     once: Deque<(u32, u16), 16>,
 }
@@ -97,6 +124,26 @@ impl Connection {
     #[must_use]
     pub fn new() -> Self {
         Self::default()
+    }
+
+    /// One of several: `link` tells their requests, and the answers to them, apart.
+    #[must_use]
+    pub fn of_link(link: u8) -> Self {
+        Self { session: Session { link, ..Session::default() }, ..Self::default() }
+    }
+
+    /// The host answers for files, logs, a shell and injected failures itself.
+    pub fn leave_services(&mut self) {
+        self.session.is_served = true;
+    }
+
+    /// Whether what a datagram may ask for finds room. A host that can wait does.
+    #[must_use]
+    pub fn has_room(&self) -> bool {
+        let Session { requests, echoes, once, .. } = &self.session;
+        requests.len() < requests.capacity() / 2
+            && echoes.len() < echoes.capacity() / 2
+            && once.len() < once.capacity() / 2
     }
 
     /// Takes bytes in chunks of any size. Answers that need nothing from the vehicle go to `sink` at once.
@@ -156,8 +203,13 @@ impl Connection {
 impl Default for Session {
     fn default() -> Self {
         Self {
+            link: 0,
             system: 1,
             sequence: 0,
+            commander: None,
+            is_served: false,
+            calibration: Calibration::default(),
+            told_at: None,
             counters: ConnectionCounters::default(),
             heartbeat_at: None,
             sticks: None,
@@ -175,6 +227,7 @@ impl Default for Session {
 impl Session {
     fn transmit(&mut self, out: &StepOutput, params: &Params, sink: Sink) {
         self.system = params.system_id as u8;
+        self.commander = out.commander;
         for event in out.events.iter() {
             if self.events.is_full() {
                 self.events.pop_front();
@@ -187,7 +240,9 @@ impl Session {
         if let Some(event) = self.events.pop_front() {
             self.send_text(&event, sink);
         }
-        self.send_parameters(out.now, params, sink);
+        self.report_calibration(out, sink);
+        self.send_echoes(params, sink);
+        self.send_list(out.now, params, sink);
         while let Some((id, argument)) = self.once.pop_front() {
             self.send_message(id, &Outgoing { out, params, argument }, sink);
         }
@@ -196,24 +251,21 @@ impl Session {
         }
     }
 
-    fn answer(&mut self, reply: &Reply, sink: Sink) {
-        if let Some(index) = reply.parameter {
-            let _ = self.echoes.push_back(index as u16);
-        }
-        if reply.ticket.command != 0 {
-            let result = match reply.outcome {
-                Outcome::Accepted => commands::ACCEPTED,
-                Outcome::Rejected => commands::TEMPORARILY_REJECTED,
-                Outcome::Denied => commands::DENIED,
-            };
-            self.acknowledge(&reply.ticket, result, sink);
+    /// For the vehicle; nobody waits for an acknowledgement.
+    fn queue(&mut self, frame: &Frame, action: Action) {
+        let ticket = Ticket { link: self.link, ..frame.ticket(0) };
+        if self.requests.push_back(Request { ticket, action }).is_err() {
+            self.overflow();
         }
     }
 
-    fn queue(&mut self, request: Request) {
-        if self.requests.push_back(request).is_err() {
-            self.counters.overflowed = self.counters.overflowed.wrapping_add(1);
-        }
+    fn overflow(&mut self) {
+        self.counters.overflowed = self.counters.overflowed.wrapping_add(1);
+    }
+
+    /// Whether this sender may say anything that concerns the flight.
+    fn has_command(&self, frame: &Frame) -> bool {
+        frame.system == self.system || self.commander.is_none_or(|system| system == frame.system)
     }
 
     fn refuse(&mut self) {

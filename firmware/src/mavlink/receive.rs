@@ -5,81 +5,93 @@
 
 use super::frame::Frame;
 use super::params::name_bytes;
-use super::{COMPONENT_AUTOPILOT, Session, Sink};
+use super::{COMPONENT_AUTOPILOT, Session, Sink, global};
 use crate::param::Params;
-use crate::signal::{Action, Request, Sticks, Ticket};
+use crate::signal::{Action, Setpoint, Severity, Sticks};
 use crate::time::{Micros, Sample};
 use mavlink::dialects::common as mav;
 use mavlink::{MavlinkVersion, MessageData};
 
+/// `MAV_TYPE_GCS`.
 const GCS: u8 = 6;
-/// SET_POSITION_TARGET: bits of the type mask, and the only frame understood (LOCAL_NED).
+/// SET_POSITION_TARGET: bits of the type mask, and the frames understood, local and global.
 const IGNORE_X: u16 = 1;
 const IGNORE_VX: u16 = 1 << 3;
 const IGNORE_YAW: u16 = 1 << 10;
 const LOCAL_NED: u8 = 1;
-/// FTP: reply codes and the error that ends a client's wait at once.
-const FTP_ACK: u8 = 128;
-const FTP_NAK: u8 = 129;
-const FTP_FILE_NOT_FOUND: u8 = 10;
+const GLOBAL_RELATIVE: [u8; 2] = [3, 6];
+const GLOBAL: [u8; 2] = [0, 5];
+/// SET_ATTITUDE_TARGET.
+const IGNORE_RATES: u8 = 0b111;
+const IGNORE_THRUST: u8 = 1 << 6;
+const IGNORE_ATTITUDE: u8 = 1 << 7;
+/// RC_CHANNELS_OVERRIDE: middle and half range of a channel, and of the throttle its lowest, µs.
+const RC_MIDDLE: f32 = 1500.0;
+const RC_HALF: f32 = 500.0;
+const RC_LOW: f32 = 1000.0;
+/// A wrong set-point is told again after this time, µs.
+const TOLD_AGAIN_US: u64 = 5_000_000;
 
 impl Session {
     pub(super) fn handle(&mut self, now: Micros, frame: &Frame, params: &Params, sink: Sink) {
-        if frame.system == self.system && frame.component == COMPONENT_AUTOPILOT {
+        let is_own = frame.system == self.system && frame.component == COMPONENT_AUTOPILOT;
+        // Nobody is system 0.
+        if is_own || frame.system == 0 {
             return;
         }
         if let Some((system, component)) = target(frame) {
             let for_us = (system == 0 || system == self.system)
                 && (component == 0 || component == COMPONENT_AUTOPILOT);
             if !for_us {
-                self.counters.ignored = self.counters.ignored.wrapping_add(1);
+                self.ignore();
                 return;
             }
         }
         self.counters.received = self.counters.received.wrapping_add(1);
         match frame.id {
             mav::HEARTBEAT_DATA::ID => {
-                if frame.byte(4) == GCS {
+                if frame.byte(4) == GCS && self.has_command(frame) {
                     self.heartbeat_at = Some(now);
                 }
             }
-            mav::COMMAND_LONG_DATA::ID => self.command_long(frame, params, sink),
-            mav::COMMAND_INT_DATA::ID => self.command_int(frame, params, sink),
-            mav::SET_MODE_DATA::ID => self.set_mode(frame.int(0) as u32),
+            mav::COMMAND_LONG_DATA::ID | mav::COMMAND_INT_DATA::ID => {
+                self.command(frame, params, sink);
+            }
+            mav::SET_MODE_DATA::ID => self.set_mode(frame, sink),
             mav::PARAM_REQUEST_LIST_DATA::ID => self.list_parameters(),
             mav::PARAM_REQUEST_READ_DATA::ID => {
                 self.decode(frame, |session, m: &mav::PARAM_REQUEST_READ_DATA| {
-                    session.read_parameter(m.param_index, name_bytes(&m.param_id));
+                    let asked = (m.param_index, name_bytes(&m.param_id));
+                    session.read_parameter(frame, asked, params, sink);
                 })
             }
-            mav::PARAM_SET_DATA::ID => self.decode(frame, |session, m: &mav::PARAM_SET_DATA| {
-                session.set_parameter(name_bytes(&m.param_id), m.param_value, m.param_type, params);
-            }),
-            mav::MISSION_REQUEST_LIST_DATA::ID => {
-                let empty = mav::MISSION_COUNT_DATA {
-                    count: 0,
-                    target_system: frame.system,
-                    target_component: frame.component,
-                };
-                self.send(&empty, sink);
+            // By position: the crate refuses a type that it does not know, and then nobody would answer.
+            mav::PARAM_SET_DATA::ID => {
+                let mut id = [0_u8; 16];
+                for (at, byte) in (6..).zip(&mut id) {
+                    *byte = frame.byte(at);
+                }
+                let sent = (name_bytes(&id), frame.float(0), frame.byte(22));
+                self.set_parameter(frame, sent, params, sink);
             }
-            mav::MISSION_COUNT_DATA::ID => {
-                self.mission_ack(frame, mav::MavMissionResult::MAV_MISSION_UNSUPPORTED, sink);
-            }
-            mav::MISSION_CLEAR_ALL_DATA::ID => {
-                self.mission_ack(frame, mav::MavMissionResult::MAV_MISSION_ACCEPTED, sink);
-            }
-            mav::MANUAL_CONTROL_DATA::ID => {
+            mav::MANUAL_CONTROL_DATA::ID if self.has_command(frame) => {
                 self.decode(frame, |session, m: &mav::MANUAL_CONTROL_DATA| {
                     session.manual_control(now, m)
                 });
             }
-            mav::SET_POSITION_TARGET_LOCAL_NED_DATA::ID => self.position_target(frame),
-            mav::ODOMETRY_DATA::ID => self.odometry(now, frame),
-            mav::VISION_POSITION_ESTIMATE_DATA::ID => self.vision_position(now, frame),
-            mav::ATT_POS_MOCAP_DATA::ID => self.pose(now, frame),
-            mav::DEBUG_VECT_DATA::ID => self.named_vector(now, frame),
-            mav::WINCH_STATUS_DATA::ID => self.winch_status(now, frame),
+            mav::RC_CHANNELS_OVERRIDE_DATA::ID if self.has_command(frame) => {
+                self.radio_override(now, frame);
+            }
+            mav::SET_POSITION_TARGET_LOCAL_NED_DATA::ID => self.position_target(now, frame, sink),
+            mav::SET_POSITION_TARGET_GLOBAL_INT_DATA::ID => {
+                self.global_target(now, frame, params, sink);
+            }
+            mav::SET_ATTITUDE_TARGET_DATA::ID => self.attitude_target(now, frame, sink),
+            mav::ODOMETRY_DATA::ID
+            | mav::VISION_POSITION_ESTIMATE_DATA::ID
+            | mav::ATT_POS_MOCAP_DATA::ID
+            | mav::DEBUG_VECT_DATA::ID
+            | mav::WINCH_STATUS_DATA::ID => self.measured(now, frame, params),
             mav::PING_DATA::ID => self.decode(frame, |session, m: &mav::PING_DATA| {
                 if m.target_system == 0 {
                     let pong = mav::PING_DATA {
@@ -97,9 +109,12 @@ impl Session {
                     session.send(&answer, sink);
                 }
             }),
-            mav::FILE_TRANSFER_PROTOCOL_DATA::ID => self.file_transfer(frame, sink),
-            _ => self.counters.ignored = self.counters.ignored.wrapping_add(1),
+            _ => self.serve(frame, sink),
         }
+    }
+
+    pub(super) fn ignore(&mut self) {
+        self.counters.ignored = self.counters.ignored.wrapping_add(1);
     }
 
     fn decode<D: MessageData>(&mut self, frame: &Frame, then: impl FnOnce(&mut Self, &D)) {
@@ -107,15 +122,6 @@ impl Session {
             Ok(message) => then(self, &message),
             Err(_) => self.refuse(),
         }
-    }
-
-    fn mission_ack(&mut self, frame: &Frame, result: mav::MavMissionResult, sink: Sink) {
-        let ack = mav::MISSION_ACK_DATA {
-            target_system: frame.system,
-            target_component: frame.component,
-            mavtype: result,
-        };
-        self.send(&ack, sink);
     }
 
     fn manual_control(&mut self, now: Micros, m: &mav::MANUAL_CONTROL_DATA) {
@@ -133,59 +139,100 @@ impl Session {
         self.sticks = Some(Sample { at: now, value });
     }
 
+    /// Roll, pitch, throttle, yaw, as ArduPilot's clients send them; a channel that is not overridden gives the sticks
+    /// back.
+    fn radio_override(&mut self, now: Micros, frame: &Frame) {
+        let channels = [0, 2, 4, 6].map(|at| frame.word(at));
+        if channels.iter().any(|us| !(800..=2200).contains(us)) {
+            return self.refuse();
+        }
+        let unit = |us: u16| ((f32::from(us) - RC_MIDDLE) / RC_HALF).clamp(-1.0, 1.0);
+        let [roll, pitch, throttle, yaw] = channels;
+        let value = Sticks {
+            roll: unit(roll),
+            // The stick forward is the lower value.
+            pitch: -unit(pitch),
+            throttle: ((f32::from(throttle) - RC_LOW) / (2.0 * RC_HALF)).clamp(0.0, 1.0),
+            yaw: unit(yaw),
+        };
+        self.sticks = Some(Sample { at: now, value });
+    }
+
     /// Read by position: the crate refuses a type mask with unknown bits, which clients do send.
-    fn position_target(&mut self, frame: &Frame) {
+    fn position_target(&mut self, now: Micros, frame: &Frame, sink: Sink) {
+        if frame.byte(52) != LOCAL_NED {
+            return self.refuse_target(now, "Set-point refused: frame is not LOCAL_NED", sink);
+        }
         let mask = frame.word(48);
         let asked = |at: usize, bit: u16| (mask & bit == 0).then(|| frame.float(at));
         let ned = [asked(4, IGNORE_X), asked(8, IGNORE_X << 1), asked(12, IGNORE_X << 2)];
-        let yaw = asked(40, IGNORE_YAW);
-        let velocity = [asked(16, IGNORE_VX), asked(20, IGNORE_VX << 1), asked(24, IGNORE_VX << 2)];
-        let moves = velocity.iter().flatten().any(|v| *v != 0.0);
-        let says_nothing = ned.iter().chain(&velocity).all(Option::is_none) && yaw.is_none();
-        let is_finite = ned.iter().chain(&velocity).flatten().chain(&yaw).all(|v| v.is_finite());
-        if !is_finite || says_nothing || frame.byte(52) != LOCAL_NED {
-            return self.refuse();
-        }
-        let velocity = velocity.map(Option::unwrap_or_default);
-        let action =
-            if moves { Action::Stream { ned, velocity, yaw } } else { Action::MoveTo { ned, yaw } };
-        self.queue(Request { ticket: Ticket::default(), action });
+        self.place(now, frame, (ned, mask), sink);
     }
 
-    /// There are no files, but silence costs clients seconds: say so at once.
-    fn file_transfer(&mut self, frame: &Frame, sink: Sink) {
-        const HEAD: usize = 3;
-        let sequence = frame.word(HEAD).wrapping_add(1).to_le_bytes();
-        let opcode = frame.byte(HEAD + 3);
-        // Terminating or resetting sessions always works: there are none.
-        let is_end = matches!(opcode, 1 | 2);
-        let [low, high] = sequence;
-        let mut payload = [0_u8; 251];
-        let head = [
-            low,
-            high,
-            frame.byte(HEAD + 2),
-            if is_end { FTP_ACK } else { FTP_NAK },
-            u8::from(!is_end),
-            opcode,
-            0,
-            0,
-            0,
-            0,
-            0,
-            0,
-            if is_end { 0 } else { FTP_FILE_NOT_FOUND },
-        ];
-        for (to, from) in payload.iter_mut().zip(head) {
-            *to = from;
-        }
-        let reply = mav::FILE_TRANSFER_PROTOCOL_DATA {
-            target_network: 0,
-            target_system: frame.system,
-            target_component: frame.component,
-            payload,
+    fn global_target(&mut self, now: Micros, frame: &Frame, params: &Params, sink: Sink) {
+        let mask = frame.word(48);
+        let datum = match frame.byte(52) {
+            kind if GLOBAL.contains(&kind) => params.home_altitude,
+            kind if GLOBAL_RELATIVE.contains(&kind) => 0.0,
+            _ => return self.refuse_target(now, "Set-point refused: unknown frame", sink),
         };
-        self.send(&reply, sink);
+        let degrees = |at: usize| f64::from(frame.int(at)) * 1e-7;
+        let asked = |bit: u16| mask & bit == 0;
+        let ned = [
+            asked(IGNORE_X).then(|| global::north_of(params, degrees(4))),
+            asked(IGNORE_X << 1).then(|| global::east_of(params, degrees(8))),
+            asked(IGNORE_X << 2).then(|| datum - frame.float(12)),
+        ];
+        self.place(now, frame, (ned, mask), sink);
+    }
+
+    /// The rest of a position target, which both have at the same place.
+    fn place(
+        &mut self,
+        now: Micros,
+        frame: &Frame,
+        (ned, mask): ([Option<f32>; 3], u16),
+        sink: Sink,
+    ) {
+        let asked = |at: usize, bit: u16| (mask & bit == 0).then(|| frame.float(at));
+        let yaw = asked(40, IGNORE_YAW);
+        let axes = [asked(16, IGNORE_VX), asked(20, IGNORE_VX << 1), asked(24, IGNORE_VX << 2)];
+        let says_nothing = ned.iter().chain(&axes).all(Option::is_none) && yaw.is_none();
+        let is_finite = ned.iter().chain(&axes).flatten().chain(&yaw).all(|v| v.is_finite());
+        if says_nothing || !is_finite {
+            return self.refuse_target(now, "Set-point refused: not a number", sink);
+        }
+        let has_velocity = axes.iter().any(Option::is_some);
+        let velocity = has_velocity.then(|| axes.map(Option::unwrap_or_default));
+        self.queue(frame, Action::Setpoint(Setpoint::Place { ned, velocity, yaw }));
+    }
+
+    fn attitude_target(&mut self, now: Micros, frame: &Frame, sink: Sink) {
+        let mask = frame.byte(38);
+        let thrust = frame.float(32);
+        let quaternion = [frame.float(4), frame.float(8), frame.float(12), frame.float(16)];
+        let rate = [frame.float(20), frame.float(24), frame.float(28)];
+        let is_finite = |values: &[f32]| values.iter().all(|x| x.is_finite());
+        if mask & IGNORE_THRUST != 0 || !thrust.is_finite() {
+            return self.refuse_target(now, "Set-point refused: no thrust", sink);
+        }
+        let setpoint = if mask & IGNORE_ATTITUDE == 0 && is_finite(&quaternion) {
+            Setpoint::Attitude { quaternion, thrust }
+        } else if mask & IGNORE_RATES == 0 && is_finite(&rate) {
+            Setpoint::Rates { rate, thrust }
+        } else {
+            return self.refuse_target(now, "Set-point refused: neither attitude nor rates", sink);
+        };
+        self.queue(frame, Action::Setpoint(setpoint));
+    }
+
+    /// A stream is wrong many times a second, and told once.
+    fn refuse_target(&mut self, now: Micros, text: &'static str, sink: Sink) {
+        self.refuse();
+        if self.told_at.is_none_or(|at| now.since(at) > TOLD_AGAIN_US) {
+            self.told_at = Some(now);
+            self.say(Severity::Warning, text, sink);
+        }
     }
 }
 
@@ -195,13 +242,33 @@ fn target(frame: &Frame) -> Option<(u8, u8)> {
         mav::COMMAND_LONG_DATA::ID | mav::COMMAND_INT_DATA::ID => 30,
         mav::PARAM_REQUEST_LIST_DATA::ID
         | mav::MISSION_REQUEST_LIST_DATA::ID
-        | mav::MISSION_CLEAR_ALL_DATA::ID => 0,
-        mav::PARAM_REQUEST_READ_DATA::ID | mav::MISSION_COUNT_DATA::ID => 2,
-        mav::PARAM_SET_DATA::ID => 4,
-        mav::SET_POSITION_TARGET_LOCAL_NED_DATA::ID => 50,
+        | mav::MISSION_CLEAR_ALL_DATA::ID
+        | mav::PARAM_EXT_REQUEST_LIST_DATA::ID
+        | mav::LOG_ERASE_DATA::ID
+        | mav::LOG_REQUEST_END_DATA::ID
+        | mav::PARAM_EXT_SET_DATA::ID => 0,
+        mav::PARAM_REQUEST_READ_DATA::ID
+        | mav::PARAM_EXT_REQUEST_READ_DATA::ID
+        | mav::MISSION_COUNT_DATA::ID
+        | mav::MISSION_REQUEST_DATA::ID
+        | mav::MISSION_REQUEST_INT_DATA::ID
+        | mav::MISSION_SET_CURRENT_DATA::ID => 2,
+        mav::PARAM_SET_DATA::ID
+        | mav::MISSION_REQUEST_PARTIAL_LIST_DATA::ID
+        | mav::MISSION_WRITE_PARTIAL_LIST_DATA::ID
+        | mav::REQUEST_EVENT_DATA::ID
+        | mav::LOG_REQUEST_LIST_DATA::ID => 4,
+        mav::LOG_REQUEST_DATA_DATA::ID => 10,
+        mav::MISSION_ITEM_DATA::ID | mav::MISSION_ITEM_INT_DATA::ID => 32,
+        mav::SET_POSITION_TARGET_LOCAL_NED_DATA::ID
+        | mav::SET_POSITION_TARGET_GLOBAL_INT_DATA::ID => 50,
+        mav::SET_ATTITUDE_TARGET_DATA::ID => 36,
+        mav::RC_CHANNELS_OVERRIDE_DATA::ID => 16,
         mav::FILE_TRANSFER_PROTOCOL_DATA::ID => 1,
         mav::SET_MODE_DATA::ID => return Some((frame.byte(4), 0)),
         mav::MANUAL_CONTROL_DATA::ID => return Some((frame.byte(10), 0)),
+        mav::SET_GPS_GLOBAL_ORIGIN_DATA::ID => return Some((frame.byte(12), 0)),
+        mav::SET_HOME_POSITION_DATA::ID => return Some((frame.byte(52), 0)),
         _ => return None,
     };
     Some((frame.byte(at), frame.byte(at + 1)))

@@ -1,5 +1,6 @@
 //! Which messages go out by themselves, and how often.
 
+use super::command::Answer;
 use super::telemetry::{MESSAGES, Message};
 use crate::time::Micros;
 use mavlink::MessageData;
@@ -50,15 +51,15 @@ impl Streams {
         Some(message.id)
     }
 
-    /// MAVLink's convention: -1 turns off, 0 is the default, else µs. False for a message that is not
-    /// streamed, or for turning the heartbeat off.
-    pub fn set_interval(&mut self, id: u32, interval_us: f32) -> bool {
+    /// MAVLink's convention: -1 turns off, 0 is the default, else µs. A message that is not streamed is not supported;
+    /// the heartbeat stays as it is.
+    pub fn set_interval(&mut self, id: u32, interval_us: f32) -> Answer {
         let row = self.rows.iter_mut().zip(&MESSAGES).find(|(_, message)| message.id == id);
         let Some((stream, &Message { interval_us: Some(default), .. })) = row else {
-            return false;
+            return Answer::Unsupported;
         };
         if id == HEARTBEAT_DATA::ID || !interval_us.is_finite() {
-            return false;
+            return Answer::Denied;
         }
         stream.interval_us = if interval_us < 0.0 {
             0
@@ -68,7 +69,7 @@ impl Streams {
             (interval_us as u32).max(FASTEST_US)
         };
         self.wake = Micros(0);
-        true
+        Answer::Accepted
     }
 
     /// Present interval, µs; -1 when off, `None` for a message that is not streamed.

@@ -12,7 +12,9 @@ use crate::math::{so3, wrap_pi};
 use crate::navigation::NavigationState;
 use crate::param::Params;
 use crate::scalar::Scalar;
-use crate::signal::{Estimate, Imu, MixerReport, PositionSource, Sensors, SphericalPoint, Sticks};
+use crate::signal::{
+    Estimate, Imu, MixerReport, PositionSource, Sensors, Setpoint, SphericalPoint, Sticks,
+};
 use crate::supervisor::GroundState;
 use crate::time::{Micros, OUTER_DT, Sample};
 
@@ -39,6 +41,8 @@ pub(crate) struct Situation<S: Scalar> {
     /// While a rod on top is seen.
     pub rod: Option<RodWatch<S>>,
     pub sticks: Option<Sample<Sticks>>,
+    /// The last of a program's stream.
+    pub setpoint: Option<Sample<Setpoint>>,
     pub armed_at: Option<Micros>,
     pub mixer: MixerReport,
     /// The position is believed.

@@ -18,8 +18,10 @@ mod feasible;
 mod handover;
 mod hold;
 mod land;
+mod offboard;
 pub(crate) mod pendulum;
 mod plan;
+mod position;
 pub(crate) mod refusal;
 mod setpoints;
 mod sticks;
@@ -71,9 +73,8 @@ impl<S: Scalar> ModeConfig<S> {
     pub fn taut(p: &Params) -> Option<feature::TautLink<taut::TautConfig<S>>> {
         // A winch lets the length go: neither mode nor observer.
         let kind = TetherKind::from_parameter(p.tether_kind);
-        feature::TautLink::build(|| {
-            taut::TautConfig::new(p).filter(|_| !kind.is_free() && !kind.has_winch())
-        })
+        let flies = Mode::TautForce.rule().on.contains(kind);
+        feature::TautLink::build(|| taut::TautConfig::new(p).filter(|_| flies))
     }
 
     #[inline(never)]
@@ -225,6 +226,9 @@ active_modes! {
     TautAttitude: feature::TautLink<taut::TautLink<S>>;
     TetherAngle: feature::TetherAngle<tether_angle::TetherAngle<S>>;
     Pendulum: feature::Pendulum<pendulum::Pendulum<S>>;
+    Return: land::Land<S>;
+    Position: position::Position;
+    Offboard: offboard::Offboard<S>;
 }
 
 /// The mode that flies, with its state.

@@ -19,6 +19,8 @@ pub(super) const SAME_PLACE: f64 = 0.01;
 /// CRUISE it may be.
 const STREAM_NEAR: f32 = 1.0;
 const STREAM_FAST: f32 = 2.0;
+/// How far one set-point moves the reference at once, m: it joins the stream without a jump.
+const STREAM_CATCH_UP: f32 = 0.05;
 /// Slack on a fixed length: within this share of it the link is looked for radially, further in by position.
 const NEARLY_TAUT: f64 = 0.85;
 /// Radial speed that looks for the link, m/s.
@@ -112,9 +114,6 @@ pub(super) fn command<S: Scalar>(
             Ok(None)
         }
         Action::MoveTo { ned, yaw } => go_to(handover, ned, yaw, cx).map(|()| None),
-        Action::Stream { ned, velocity, yaw } => {
-            stream(handover, (ned, velocity, yaw), cx).map(|()| None)
-        }
         Action::MoveTether { elevation, azimuth, length, tension } => {
             let now = end(handover, cx)?;
             if let Some(tension) = tension {
@@ -178,12 +177,20 @@ fn go_to<S: Scalar>(
     Ok(())
 }
 
-/// A set-point of a stream: followed as it is, if it is near and slow enough; else it is a place to go to.
-fn stream<S: Scalar>(
+/// A set-point of a stream: one that moves is followed as it is, if it is near and slow enough; else it is a place to
+/// go to. `None` for where the reference is.
+pub(super) fn follow<S: Scalar>(
     handover: &mut Handover<S>,
-    (ned, velocity, yaw): ([Option<f32>; 3], [f32; 3], Option<f32>),
+    ned: [Option<f32>; 3],
+    velocity: Option<[f32; 3]>,
+    yaw: Option<f32>,
     cx: &Context<'_, S>,
 ) -> Result<(), Refusal> {
+    let is_place = ned.iter().any(Option::is_some);
+    let Some(velocity) = velocity.filter(|v| !is_place || v.iter().any(|speed| *speed != 0.0))
+    else {
+        return go_to(handover, ned, yaw, cx);
+    };
     let planned = end(handover, cx)?.to_world().0;
     check_heading(yaw)?;
     let single = |v: &V3<S>| v.map(Scalar::to_f32);
@@ -191,9 +198,11 @@ fn stream<S: Scalar>(
     let [north, east, down] = ned;
     let mut from = V3::new(north.unwrap_or(here.x), east.unwrap_or(here.y), down.unwrap_or(here.z));
     let mut velocity = V3::from(velocity);
-    if so3::norm(&(from - here)) > STREAM_NEAR {
+    let off = from - here;
+    if so3::norm(&off) > STREAM_NEAR {
         return go_to(handover, ned, yaw, cx);
     }
+    from = here + so3::limit_norm(off, STREAM_CATCH_UP);
     if so3::norm(&velocity) > STREAM_FAST * cx.params.cruise_speed {
         return Err(denied("Set-point refused: too fast"));
     }

@@ -1,6 +1,7 @@
 //! Why something asked is not done, for the operator.
 
 use crate::signal::{Action, Amount, Event, Outcome};
+use crate::supervisor::Links;
 
 /// How the request ends, and the reason.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,6 +30,17 @@ pub(crate) const fn denied(text: &'static str) -> Refusal {
 
 /// Of every mode on a taut link.
 pub(crate) const NEEDS_FIXED_LENGTH: Refusal = denied("Mode refused: needs a link of fixed length");
+
+/// Of the mode that flies without a tether.
+pub(super) const NEEDS_FREE_FLIGHT: &str = "Mode refused: needs TET_KIND 4, free flight";
+
+/// Of a mode that does not fly on what this vehicle hangs on.
+pub(crate) const fn needs_link(on: Links) -> Refusal {
+    match on {
+        Links::Free => denied(NEEDS_FREE_FLIGHT),
+        Links::Any | Links::FixedLength | Links::Cable => NEEDS_FIXED_LENGTH,
+    }
+}
 
 /// This image has no such mode.
 pub(crate) const NOT_BUILT: Refusal = denied("Mode refused: not in this image");

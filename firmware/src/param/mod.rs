@@ -5,9 +5,11 @@
 //! follow. Names are written out, so that `grep RATE_P` finds the line. A name longer than 16 bytes
 //! or a default out of range does not compile.
 
+mod alias;
 mod combination;
 mod tree;
 
+pub use alias::{ALIASES, Alias};
 pub use combination::{COMBINATIONS, Combination, broken};
 pub use tree::{DOCS, Group, META, Params};
 
@@ -60,6 +62,31 @@ pub enum ParamError {
         /// Largest value accepted.
         max: f32,
     },
+}
+
+/// When a parameter may no longer be changed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Lock {
+    /// It always may; in flight a gain by small steps.
+    Never,
+    /// In the air.
+    InAir,
+    /// From arming on.
+    Armed,
+}
+
+impl Group {
+    /// Of its parameters.
+    #[must_use]
+    pub const fn lock(self) -> Lock {
+        match self {
+            Self::Vehicle | Self::Motors | Self::AttitudeRateControl | Self::GroundStation => {
+                Lock::Armed
+            }
+            Self::Sensors | Self::Tether | Self::Estimator => Lock::InAir,
+            _ => Lock::Never,
+        }
+    }
 }
 
 impl Params {
@@ -121,6 +148,9 @@ macro_rules! params {
         }
 
         impl Group {
+            /// All of them, in the order of the table.
+            pub const ALL: &[Self] = &[$(Self::$group),+];
+
             /// Heading in the documentation.
             #[must_use]
             pub const fn title(self) -> &'static str {

@@ -390,6 +390,8 @@ params! {
         system_id: "MAV_SYS_ID" Int [""] = 1.0 in 1.0 ..= 255.0;
         /// Autopilot type in the heartbeat: 12 = PX4 (modes and guided actions work in QGroundControl), 0 = generic.
         autopilot_type: "MAV_AUTOPILOT" Int [""] = 12.0 in 0.0 ..= 12.0;
+        /// MAVLink system whose measurements are taken: winch, motion capture, station. 0 = the vehicle's own.
+        aid_system: "MAV_AID_SYS" Int [""] = 0.0 in 0.0 ..= 255.0;
         /// Airframe; QGroundControl wants it not zero.
         airframe: "SYS_AUTOSTART" Int [""] = 4001.0 in 1.0 ..= 99999.0;
         /// Whether a magnetometer is fitted; none is used.

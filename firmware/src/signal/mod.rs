@@ -9,6 +9,7 @@ mod per_rotor;
 mod reference;
 mod request;
 mod sensors;
+mod setpoint;
 
 pub use aid::{Aid, AidReport, AidSet};
 pub use command::{Actuation, MixerReport, WinchCommand, Wrench};
@@ -20,3 +21,4 @@ pub use per_rotor::{MAX_ROTORS, PerRotor};
 pub use reference::{FlightReference, LoadReference, PlanarReference, SphericalPoint, TautPurpose};
 pub use request::{Action, CLOSED_THROTTLE, Outcome, Reply, Request, Sticks, Ticket};
 pub use sensors::*;
+pub use setpoint::Setpoint;

@@ -1,16 +1,19 @@
 //! What somebody outside asks of the vehicle, and what it answers.
 
+use super::Setpoint;
 use crate::supervisor::Mode;
 
-/// Who asked, so that the answer finds its way back. Opaque to the vehicle.
+/// Who asked: the answer finds its way back by it, and in flight it says whether they may.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Ticket {
     /// MAVLink command number; 0 where no acknowledgement is wanted.
     pub command: u16,
-    /// System that asked.
+    /// System that asked; 0 for the vehicle's own machinery.
     pub system: u8,
     /// Its component.
     pub component: u8,
+    /// Connection that it came by, as the host counts them.
+    pub link: u8,
 }
 
 /// One request.
@@ -35,6 +38,24 @@ pub enum Action {
         /// Also in the air.
         force: bool,
     },
+    /// Stop the motors wherever the vehicle is, and tell that it was meant.
+    Terminate,
+    /// Turn one motor, disarmed and without propellers.
+    TestMotor {
+        /// From 0.
+        rotor: usize,
+        /// 0 to 1; 0 stops the test.
+        throttle: f32,
+        /// s.
+        seconds: f32,
+    },
+    /// Start the firmware anew, disarmed; the host does it when this is accepted.
+    Reboot,
+    /// Take the command, or give it back: in flight one ground station has it.
+    Command {
+        /// Else give it back.
+        take: bool,
+    },
     /// Change the flight mode.
     SetMode(Mode),
     /// Take off to this altitude over the anchor, or to the parameter's.
@@ -49,15 +70,8 @@ pub enum Action {
         /// Heading, rad from North.
         yaw: Option<f32>,
     },
-    /// One set-point of a stream: a place, `None` for where the reference is, and its velocity, world axes.
-    Stream {
-        /// m.
-        ned: [Option<f32>; 3],
-        /// m/s.
-        velocity: [f32; 3],
-        /// Heading, rad from North.
-        yaw: Option<f32>,
-    },
+    /// One set-point of a stream. Offboard follows it; other modes leave it be.
+    Setpoint(Setpoint),
     /// Move in tether coordinates; `None` keeps a coordinate.
     MoveTether {
         /// Above the horizontal.

@@ -13,5 +13,5 @@ pub use failsafe::{
 };
 pub use ground::{GroundContact, GroundState, TouchDown, TouchDownInput, TouchDownState};
 pub use line::{LineFault, LineInput, LineWatch};
-pub use mode::{MODES, Mode, ModeRule, Needs, Rest};
+pub use mode::{Links, MODES, Mode, ModeRule, Needs, Rest};
 pub use rotor::{RotorWatch, RotorWatchState};

@@ -1,6 +1,7 @@
 //! Flight modes: what each needs, its name and its MAVLink numbers. What a mode does stands in [`crate::mode`].
 
 use crate::feature;
+use crate::model::TetherKind;
 
 /// What a mode cannot do without.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -26,6 +27,32 @@ pub enum Rest {
     Lands,
 }
 
+/// Kinds of link that a mode flies on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Links {
+    /// Whatever there is.
+    Any,
+    /// Cable, strut or bar, without a winch.
+    FixedLength,
+    /// A cable without a winch.
+    Cable,
+    /// None: free flight.
+    Free,
+}
+
+impl Links {
+    /// Whether this link is one of them.
+    #[must_use]
+    pub fn contains(self, kind: TetherKind) -> bool {
+        match self {
+            Self::Any => true,
+            Self::FixedLength => !kind.is_free() && !kind.has_winch(),
+            Self::Cable => kind == TetherKind::Cable,
+            Self::Free => kind.is_free(),
+        }
+    }
+}
+
 /// One row of [`MODES`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ModeRule {
@@ -35,14 +62,14 @@ pub struct ModeRule {
     pub name: &'static str,
     /// PX4's `custom_mode`: main mode in bits 16..24, sub mode in bits 24..32.
     pub custom_mode: u32,
-    /// Further `custom_mode` values that select it.
-    pub aliases: &'static [u32],
     /// MAVLink's `MAV_STANDARD_MODE`; 0 = none of the standard ones.
     pub standard_mode: u8,
     /// What it needs.
     pub needs: Needs,
     /// What becomes of it on the ground.
     pub rest: Rest,
+    /// On what link it flies.
+    pub on: Links,
     /// Whether the core is built with it.
     pub is_built: bool,
     /// It leaves the ground by itself, from a known place, and may be asked for anew until it has.
@@ -105,10 +132,10 @@ const fn row(
         mode,
         name,
         custom_mode,
-        aliases: &[],
         standard_mode: 0,
         needs,
         rest,
+        on: Links::Any,
         is_built: true,
         takes_off: false,
         completes: None,
@@ -116,7 +143,7 @@ const fn row(
 }
 
 // The sub modes of PX4's AUTO: 2 take-off, 3 loiter, 5 return, 6 land, 11 to 15 external 1 to 5. Of MAVLink's
-// standard modes: 4 altitude hold, 7 land, 8 take-off.
+// standard modes: 1 position hold, 4 altitude hold, 5 safe recovery, 7 land, 8 take-off.
 modes! {
     /// Sticks give roll, pitch, yaw rate and throttle.
     Stabilize: "Stabilize", px4(7, 0), STICKS, Stays;
@@ -124,26 +151,34 @@ modes! {
     Altitude: "Altitude", px4(2, 0), Needs { altitude: true, ..STICKS }, Stays, standard_mode = 4;
     /// Hold and move in tether coordinates.
     #[default]
-    TetherHold: "Tether Hold", px4(4, 3), POSITION, Stays, aliases = &[px4(3, 0), px4(6, 0)];
+    TetherHold: "Tether Hold", px4(4, 3), POSITION, Stays;
     /// Leave the ground and fly to the start of the hold.
     Takeoff: "Takeoff", px4(4, 2), POSITION, EndsWithMotors, standard_mode = 8,
         takes_off = true, completes = Some("Take-off complete, holding");
     /// Return, come down, stop the motors.
-    Land: "Land", px4(4, 6), POSITION, Lands, standard_mode = 7, aliases = &[px4(4, 5)];
+    Land: "Land", px4(4, 6), POSITION, Lands, standard_mode = 7;
     /// Level and sinking; knows nothing of position or tether.
     Descent: "Descent", px4(4, 11), NOTHING, Lands;
     /// Elevation and link force on a taut link, by inertia.
     TautForce: "Taut Force", px4(4, 12), TAUT, EndsWithMotors,
-        is_built = feature::TautLink::<()>::IS_BUILT;
+        on = Links::FixedLength, is_built = feature::TautLink::<()>::IS_BUILT;
     /// Elevation and pitch on a taut link, by inertia.
     TautAttitude: "Taut Attitude", px4(4, 13), TAUT, EndsWithMotors,
-        is_built = feature::TautLink::<()>::IS_BUILT;
+        on = Links::FixedLength, is_built = feature::TautLink::<()>::IS_BUILT;
     /// Direction of a taut tether, by inertia, under constant thrust.
     TetherAngle: "Tether Angle", px4(4, 14), TAUT, EndsWithMotors,
-        is_built = feature::TetherAngle::<()>::IS_BUILT;
+        on = Links::Cable, is_built = feature::TetherAngle::<()>::IS_BUILT;
     /// Balances a load on a rod, under motion capture, without a tether.
     Pendulum: "Pendulum", px4(4, 15), CAPTURE, EndsWithMotors,
-        is_built = feature::Pendulum::<()>::IS_BUILT;
+        on = Links::Free, is_built = feature::Pendulum::<()>::IS_BUILT;
+    /// As Land, asked for by the name that ground stations have for it.
+    Return: "Return", px4(4, 5), POSITION, Lands, standard_mode = 5;
+    /// Sticks give velocities.
+    Position: "Position", px4(3, 0), POSITION, EndsWithMotors, standard_mode = 1,
+        completes = Some("Joystick lost, holding");
+    /// A program's set-points.
+    Offboard: "Offboard", px4(6, 0), POSITION, EndsWithMotors,
+        completes = Some("Offboard stream ended, holding");
 }
 
 impl Mode {
@@ -160,13 +195,16 @@ impl Mode {
         self.rule().rest == Rest::Lands
     }
 
+    /// From MAVLink's `MAV_STANDARD_MODE`, for those that have a number there.
+    #[must_use]
+    pub fn from_standard(number: u8) -> Option<Self> {
+        MODES.iter().find(|rule| number > 0 && rule.standard_mode == number).map(|rule| rule.mode)
+    }
+
     /// From MAVLink's `custom_mode`.
     #[must_use]
     pub fn from_custom_mode(custom_mode: u32) -> Option<Self> {
-        MODES
-            .iter()
-            .find(|rule| rule.custom_mode == custom_mode || rule.aliases.contains(&custom_mode))
-            .map(|rule| rule.mode)
+        MODES.iter().find(|rule| rule.custom_mode == custom_mode).map(|rule| rule.mode)
     }
 }
 

@@ -3,7 +3,7 @@
 use super::{Moment, Vehicle, context};
 use crate::control::{PositionState, RadialControl};
 use crate::math::so3;
-use crate::mode::refusal::NOT_BUILT;
+use crate::mode::refusal::{self, NOT_BUILT};
 use crate::mode::{Context, Entry, Exit, Refusal, denied, rejected};
 use crate::param::broken;
 use crate::scalar::Scalar;
@@ -14,20 +14,11 @@ use crate::supervisor::{
 };
 use crate::time::Micros;
 
-/// A ground station that was silent this long is not there.
-const LINK_TIMEOUT_US: u64 = 3_000_000;
-
 /// A position filter proves itself over so long, µs, and not below this height over the ground, m: there it comes down.
 const PROOF_US: u64 = 10_000_000;
 const PROOF_HEIGHT: f64 = 2.0;
 
 impl<S: Scalar> Vehicle<S> {
-    fn link_is_up(&self, now: Micros) -> bool {
-        // No shorter than the silence that counts as loss: a simulator in a hurry stretches that one.
-        let lost = (self.params.link_loss_time * 1e6) as u64;
-        self.state.link_at.is_some_and(|at| now.since(at) < LINK_TIMEOUT_US.max(lost))
-    }
-
     fn arming_facts(&self, cx: &Context<'_, S>) -> ArmingFacts {
         let (estimate, p) = (&cx.situation.estimate, &self.params);
         let is_open = || cx.fresh_sticks().is_none_or(|s| s.throttle > CLOSED_THROTTLE);
@@ -232,7 +223,7 @@ impl<S: Scalar> Vehicle<S> {
         }
         if self.situation.armed_at.is_some() {
             let is_escape = needs.sticks || entry.mode == FailsafeAction::LEVEL;
-            let lands = Some(entry.mode) == FailsafeAction::Land.mode();
+            let lands = entry.mode.lands();
             // In the air a failure that has gone may be flown on; after the landing the motors stop first.
             let failsafe = &self.state.failsafe;
             let bits = if cx.is_in_air() { failsafe.in_force() } else { failsafe.active() };
@@ -245,6 +236,9 @@ impl<S: Scalar> Vehicle<S> {
                 }
                 _ => {}
             }
+        }
+        if !entry.mode.rule().on.contains(self.config.constants.kind) {
+            return Err(refusal::needs_link(entry.mode.rule().on));
         }
         if entry.mode == self.mode.mode() && !takes_off {
             return Ok(());
@@ -285,11 +279,19 @@ impl<S: Scalar> Vehicle<S> {
         self.state.touch_down = TouchDownState::default();
         self.state.contact_ramp = S::one();
         self.situation.armed_at = Some(at.now);
+        self.state.motor_test = None;
         self.state.landed_at = None;
         self.situation.setpoints.ground = GroundState::OnGround;
         self.situation.setpoints.tension = self.config.constants.tension_low;
         events.push(Event::info("Armed"));
         Ok(())
+    }
+
+    /// The operator's last resort.
+    pub(super) fn terminate(&mut self, at: Moment<'_, S>, events: &mut EventQueue) {
+        if self.situation.armed_at.is_some() {
+            self.disarm(Event::critical("Flight terminated: motors stopped"), at, events);
+        }
     }
 
     pub(super) fn disarm_on_request(
@@ -314,6 +316,7 @@ impl<S: Scalar> Vehicle<S> {
         }
         self.situation.taut.stop_out_of_plane();
         self.situation.armed_at = None;
+        self.state.commander = None;
         self.situation.setpoints.ground = GroundState::OnGround;
         self.situation.setpoints.reference = None;
         events.push(event);

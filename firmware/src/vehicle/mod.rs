@@ -11,7 +11,9 @@
 //! an argument, nothing reads a global, and the step cannot fail: a block that refuses becomes a
 //! supervisor event, and the motors always get a defined command.
 
+mod actuate;
 mod arbiter;
+mod authority;
 mod felt;
 mod fly;
 mod output;
@@ -24,9 +26,7 @@ pub use output::{StepInput, StepOutput};
 use output::News;
 
 use crate::config::{Config, Stale};
-use crate::control::{
-    AttitudeCommand, ClimbState, DitherState, PositionState, RateSetpoint, RateState,
-};
+use crate::control::{AttitudeCommand, ClimbState, DitherState, PositionState, RateState};
 use crate::estimate::taut::{TautEstimatorState, TautInput};
 use crate::frames::{Body, V3, World};
 use crate::mode::{ActiveMode, Context, Handover, Setpoints, Situation};
@@ -41,17 +41,15 @@ use crate::signal::{
 use crate::supervisor::{
     FailsafeState, GroundState, LineFault, LineWatch, RotorWatchState, TouchDownState,
 };
-use crate::time::{INNER_DT, Micros};
+use crate::time::Micros;
 use crate::trajectory::Plan;
+use actuate::MotorTest;
 use felt::Felt;
 use heapless::Deque;
 use tell::Told;
 
 /// Requests that may wait for the parameters.
 const WAITING: usize = 4;
-
-/// Of the last thrust, for the descent of a vehicle that no longer knows how it turns.
-const BLIND_SHARE: f64 = 0.65;
 
 /// One autopilot.
 #[derive(Clone, Debug)]
@@ -99,6 +97,11 @@ struct State<S: Scalar> {
     /// 1 in flight, runs down to 0 on ground contact.
     contact_ramp: S,
     link_at: Option<Micros>,
+    /// Ground station that may ask, in flight.
+    commander: Option<u8>,
+    motor_test: Option<MotorTest<S>>,
+    /// When a set-point was last told to be refused.
+    setpoint_refused: Option<Micros>,
     /// A parameter that the vehicle changed by itself, for the ground station.
     echo: Option<usize>,
     /// Whose command the mode still considers.
@@ -174,6 +177,7 @@ impl<S: Scalar> Vehicle<S> {
             dither: DitherState::default(),
             rod: None,
             sticks: None,
+            setpoint: None,
             armed_at: None,
             mixer: MixerReport::default(),
             has_place: false,
@@ -206,6 +210,9 @@ impl<S: Scalar> Vehicle<S> {
             lost_rotor: None,
             contact_ramp: S::one(),
             link_at: None,
+            commander: None,
+            motor_test: None,
+            setpoint_refused: None,
             echo: None,
             considered: None,
             waiting: Deque::new(),
@@ -319,7 +326,7 @@ impl<S: Scalar> Vehicle<S> {
                 self.state.phase = OuterPhase::Locate;
             }
         }
-        self.actuate(&sensors);
+        self.actuate(input.now, &sensors, &mut events);
         let reply = reply.or_else(|| self.state.echo.take().map(Reply::echo));
         // A request or a silent sensor may change anything.
         let is_whole = input.request.is_some() || reply.is_some() || sensors.imu.is_none();
@@ -428,71 +435,5 @@ impl<S: Scalar> Vehicle<S> {
             purpose: self.mode.purpose().unwrap_or_default(),
         };
         taut.estimator.step(&mut situation.taut, &input);
-    }
-
-    /// Rate loop, mixer and thrust map, at every inertial sample.
-    fn actuate(&mut self, sensors: &Sensors<S>) {
-        let (state, situation) = (&mut self.state, &mut self.situation);
-        let is_armed = situation.armed_at.is_some();
-        state.actuation.is_armed = is_armed;
-        state.actuation.winch = WinchCommand { tension: situation.setpoints.pull() };
-        if !is_armed {
-            state.actuation.thrusts.fill(S::zero());
-            state.actuation.throttle.fill(S::zero());
-            situation.mixer = MixerReport::default();
-            state.wrench = Wrench { thrust: S::zero(), torque: Body(V3::zeros()) };
-            state.rate = RateState::default();
-            state.voltage = None;
-            return;
-        }
-        let shown = sensors.battery.map(|battery| battery.voltage);
-        state.voltage = self.config.thrust_map.follow(state.voltage, shown);
-        if situation.setpoints.ground == GroundState::OnGround {
-            let idle = self.config.mixer.min;
-            state.actuation.thrusts.fill(idle);
-            state.rate = RateState::default();
-        } else if sensors.imu.is_none() {
-            // Blind: what the motors did, and less of it.
-            if !core::mem::replace(&mut state.is_blind, true) {
-                let share = S::lit(BLIND_SHARE);
-                state.actuation.thrusts.iter_mut().for_each(|thrust| *thrust *= share);
-            }
-        } else if !sensors.imu_is_held {
-            state.is_blind = false;
-            let estimate = &situation.estimate;
-            let pull = match (&estimate.tether, &estimate.position) {
-                // The specific force is the thrust, which has no part across the body axis, and the pull.
-                _ if self.mode.mode().flies_taut() => {
-                    let force = situation.taut.estimate().map_or(V3::zeros(), |taut| taut.accel.0);
-                    Body(V3::new(force.x, force.y, S::zero()) * self.config.constants.mass)
-                }
-                (Some(tether), Some(position))
-                    if tether.is_taut && situation.navigation.is_airborne() =>
-                {
-                    let line = &self.config.constants.line;
-                    let middle = tether.tension - line.growth(-position.0.z);
-                    let mut towards = position.0 * (-middle / tether.length.max(S::lit(0.3)));
-                    towards.z += line.half_weight(tether.length);
-                    estimate.attitude.to_body(World(towards))
-                }
-                _ => Body(V3::zeros()),
-            };
-            let dt = S::lit(INNER_DT);
-            let wanted = RateSetpoint::of(&situation.setpoints.attitude);
-            let torque = self.config.rate.step(
-                &mut state.rate,
-                &wanted,
-                &estimate.rate,
-                &pull,
-                situation.mixer,
-                dt,
-            );
-            let thrust = situation.setpoints.attitude.thrust * state.contact_ramp
-                / self.config.constants.thrust_scale;
-            state.wrench = Wrench { thrust, torque };
-            situation.mixer = self.config.mixer.step(&state.wrench, &mut state.actuation.thrusts);
-        }
-        let Actuation { thrusts, throttle, .. } = &mut state.actuation;
-        self.config.thrust_map.throttles(thrusts, state.voltage, throttle);
     }
 }

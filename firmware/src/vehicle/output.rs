@@ -59,6 +59,8 @@ pub struct StepOutput {
     pub actuation: Actuation,
     /// Flight mode.
     pub mode: Mode,
+    /// Ground station that may ask in flight.
+    pub commander: Option<u8>,
     /// Motors may turn.
     pub is_armed: bool,
     /// On the ground or not.
@@ -102,6 +104,7 @@ impl StepOutput {
             mixer: situation.mixer,
             actuation: in_single(&state.actuation),
             mode: mode.mode(),
+            commander: None,
             is_armed: false,
             ground: situation.setpoints.ground,
             is_armable: false,
@@ -161,6 +164,7 @@ impl<S: Scalar> Vehicle<S> {
         output.mixer = situation.mixer;
         output.actuation = in_single(&state.actuation);
         output.mode = mode.mode();
+        output.commander = state.commander;
         output.is_armed = situation.armed_at.is_some();
         output.ground = situation.setpoints.ground;
         output.is_armable = state.is_armable;

@@ -4,10 +4,11 @@ use super::{Moment, Vehicle, context};
 use crate::config::Stale;
 use crate::mode::pendulum::gain_warning;
 use crate::mode::{Entry, Refusal, denied, rejected};
-use crate::param::{Group, META, Params, broken};
+use crate::param::{Group, Lock, META, Params, broken};
 use crate::scalar::Scalar;
-use crate::signal::{Action, Event, EventQueue, Outcome, Reply, Request};
+use crate::signal::{Action, Event, EventQueue, Outcome, Reply, Request, Setpoint};
 use crate::supervisor::Mode;
+use crate::time::{Micros, Sample};
 
 /// Accepted, or refused and told.
 fn outcome_of(result: Result<(), Refusal>, events: &mut EventQueue) -> Outcome {
@@ -19,6 +20,9 @@ fn outcome_of(result: Result<(), Refusal>, events: &mut EventQueue) -> Outcome {
         }
     }
 }
+
+/// A set-point that is refused is told again after this silence, µs.
+const REFUSED_AGAIN_US: u64 = 5_000_000;
 
 /// In flight a gain or a limit changes by a half at most, or a little where it is near zero.
 fn is_small_step(before: f32, after: f32) -> bool {
@@ -60,7 +64,10 @@ impl<S: Scalar> Vehicle<S> {
         let is_busy = !self.stale.is_empty() || !self.state.waiting.is_empty();
         let is_prompt = matches!(
             request.action,
-            Action::SetParam { .. } | Action::ResetParams | Action::Disarm { .. }
+            Action::SetParam { .. }
+                | Action::ResetParams
+                | Action::Disarm { .. }
+                | Action::Terminate
         );
         !is_prompt && (at.is_full || (is_busy && !self.context(at).is_in_air()))
     }
@@ -72,28 +79,52 @@ impl<S: Scalar> Vehicle<S> {
         events: &mut EventQueue,
     ) -> Option<Reply> {
         let mut parameter = None;
-        let result = match request.action {
-            Action::Arm { force } => self.arm(force, at, events),
-            Action::Disarm { force } => self.disarm_on_request(force, at, events),
-            Action::SetMode(mode) => self.request_mode(&Entry::of(mode), at),
-            Action::Takeoff { altitude } => {
-                self.request_mode(&Entry { mode: Mode::Takeoff, altitude }, at)
+        let result = self.authorise(request.ticket, &request.action, at).and_then(|()| {
+            match request.action {
+                Action::Arm { force } => {
+                    self.arm(force, at, events).map(|()| self.hand_over(request.ticket, true))
+                }
+                Action::Disarm { force } => self.disarm_on_request(force, at, events),
+                Action::Terminate => {
+                    self.terminate(at, events);
+                    Ok(())
+                }
+                Action::TestMotor { rotor, throttle, seconds } => {
+                    self.test_motor((rotor, throttle, seconds), at.now, events)
+                }
+                Action::Reboot if self.situation.armed_at.is_some() => {
+                    Err(rejected("Reboot refused: armed"))
+                }
+                Action::Reboot => Ok(()),
+                Action::Command { take } => {
+                    self.hand_over(request.ticket, take);
+                    Ok(())
+                }
+                // To hold is to stop, also a move under way.
+                Action::SetMode(mode) if mode != Mode::default() => {
+                    self.request_mode(&Entry::of(mode), at)
+                }
+                Action::Takeoff { altitude } => {
+                    self.request_mode(&Entry { mode: Mode::Takeoff, altitude }, at)
+                }
+                Action::Pause | Action::SetMode(_) => self
+                    .request_mode(&Entry::of(Mode::default()), at)
+                    .and_then(|()| self.command(&Action::Pause, at)),
+                Action::MoveTo { .. } | Action::MoveTether { .. } | Action::MoveTaut { .. } => {
+                    self.command(&request.action, at)
+                }
+                Action::Setpoint(setpoint) => self.take_setpoint(setpoint, at),
+                Action::SetParam { index, value } => {
+                    parameter = Some(index);
+                    self.set_param(index, value, at, events)
+                }
+                Action::ResetParams => self.reset_params(),
+                Action::Level => self.level(),
+                Action::Face { heading } => self.face(heading),
             }
-            Action::Pause => self
-                .request_mode(&Entry::of(Mode::default()), at)
-                .and_then(|()| self.command(&request.action, at)),
-            Action::MoveTo { .. }
-            | Action::Stream { .. }
-            | Action::MoveTether { .. }
-            | Action::MoveTaut { .. } => self.command(&request.action, at),
-            Action::SetParam { index, value } => {
-                parameter = Some(index);
-                self.set_param(index, value, at, events)
-            }
-            Action::ResetParams => self.reset_params(),
-            Action::Level => self.level(),
-            Action::Face { heading } => self.face(heading),
-        };
+        });
+        let is_setpoint = matches!(request.action, Action::Setpoint(_));
+        let result = if is_setpoint { self.told_before(result, at.now) } else { result };
         if result.is_ok() && self.state.considered.is_none() && self.mode.is_considering() {
             self.state.considered = Some(request.ticket);
             return None;
@@ -118,6 +149,29 @@ impl<S: Scalar> Vehicle<S> {
         self.mode.command(action, &context!(self, at))
     }
 
+    /// Kept for the mode that follows it, which may refuse it.
+    fn take_setpoint(&mut self, setpoint: Setpoint, at: Moment<'_, S>) -> Result<(), Refusal> {
+        self.situation.setpoint = Some(Sample { at: at.now, value: setpoint });
+        if self.mode.mode() == Mode::Offboard {
+            self.command(&Action::Setpoint(setpoint), at)
+        } else {
+            Ok(())
+        }
+    }
+
+    /// A stream is refused many times a second, and told once.
+    fn told_before(&mut self, result: Result<(), Refusal>, now: Micros) -> Result<(), Refusal> {
+        let last = &mut self.state.setpoint_refused;
+        let is_news = last.is_none_or(|at| now.since(at) > REFUSED_AGAIN_US);
+        match result {
+            Err(refusal) if is_news => {
+                *last = Some(now);
+                Err(refusal)
+            }
+            _ => Ok(()),
+        }
+    }
+
     fn set_param(
         &mut self,
         index: usize,
@@ -126,28 +180,23 @@ impl<S: Scalar> Vehicle<S> {
         events: &mut EventQueue,
     ) -> Result<(), Refusal> {
         let group = META.get(index).map(|meta| meta.group);
-        let is_guarded = matches!(
-            group,
-            Some(
-                Group::Vehicle | Group::Motors | Group::Sensors | Group::Tether | Group::Estimator
-            )
-        );
         let is_in_air = self.context(at).is_in_air();
-        if is_guarded && is_in_air {
-            return Err(rejected("Parameter refused: not in the air"));
+        let is_armed = self.situation.armed_at.is_some();
+        match group.map_or(Lock::Never, Group::lock) {
+            Lock::Armed if is_armed => return Err(rejected("Parameter refused: armed")),
+            Lock::InAir if is_in_air => return Err(rejected("Parameter refused: not in the air")),
+            _ => {}
         }
         let mut changed = self.params;
         changed.set(index, value).map_err(|_| denied("Parameter refused: out of range"))?;
         if is_in_air {
-            let is_gain =
-                matches!(group, Some(Group::PositionControl | Group::AttitudeRateControl));
+            let is_gain = group == Some(Group::PositionControl);
             let before = self.params.get(index).unwrap_or(value);
             if is_gain && !is_small_step(before, value) {
                 return Err(denied("Parameter refused: too large a step in the air"));
             }
         }
         // Armed on the ground too: nothing looks again before the take-off.
-        let is_armed = self.situation.armed_at.is_some();
         if let Some(rule) = broken(&changed).filter(|_| is_armed) {
             return Err(denied(rule.text));
         }

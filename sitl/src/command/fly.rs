@@ -3,11 +3,13 @@
 use super::Failure;
 use super::console::Console;
 use super::status::StatusLine;
-use crate::flight::{Autopilot, Flight, Progress, Shadow, Udp};
+use crate::flight::{Autopilot, Flight, Progress, Shadow};
+use crate::ground::Udp;
 use crate::scenario::{Arithmetic, Scenario, Step, TetherKind, params_file, set_param};
 use clap::Args;
 use std::fs::{self, File};
 use std::io::BufWriter;
+use std::net::IpAddr;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -36,6 +38,9 @@ pub struct Options {
     /// Instance: shifts the UDP ports and the MAVLink system id
     #[arg(long, value_name = "I", default_value_t = 0, value_parser = clap::value_parser!(u16).range(0..=99))]
     instance: u16,
+    /// Address of this machine at which strangers may speak to the vehicle; 0.0.0.0 = any
+    #[arg(long, value_name = "ADDR", default_value = "127.0.0.1")]
+    bind: IpAddr,
     /// Set a parameter (repeatable)
     #[arg(long, value_name = "NAME=VALUE", value_parser = assignment)]
     param: Vec<(String, f32)>,
@@ -200,17 +205,18 @@ pub fn run(options: &Options) -> Result<(), Failure> {
     for warning in scenario.contradictions(&params).map_err(|e| Failure::Usage(e.0))? {
         eprintln!("warning: {warning}");
     }
-    let mut udp = if options.headless {
-        None
-    } else {
-        Some(Udp::bind(options.instance).map_err(Failure::Usage)?)
-    };
     let path = log_path(&options.log_dir)?;
     let file =
         File::create(&path).map_err(|e| Failure::Usage(format!("{}: {e}", path.display())))?;
     let log = BufWriter::with_capacity(1 << 16, file);
     let mut flight = Flight::beside(&scenario, params, options.seed, log, &options.beside)
         .map_err(|e| Failure::Run(e.0))?;
+    let mut udp = if options.headless {
+        None
+    } else {
+        let links = &mut flight.world.links;
+        Some(Udp::bind(options.instance, options.bind, links).map_err(Failure::Usage)?)
+    };
 
     describe(&scenario, options, &params);
     if let Some(udp) = &udp {
@@ -253,20 +259,13 @@ fn simulate(
             console.serve(flight, |line| status.print(line));
         }
         if let Some(udp) = udp.as_deref_mut() {
-            let mut answers = Vec::new();
-            udp.receive(|datagram| {
-                flight.world.receive(datagram, &mut |frame| answers.push(frame.to_vec()));
-            });
-            for answer in answers {
-                udp.send(&answer);
-            }
+            udp.receive(&mut flight.world.links);
         }
         for _ in 0..CHUNK_MS {
-            flight.step(&mut |frame| {
-                if let Some(udp) = udp.as_deref_mut() {
-                    udp.send(frame);
-                }
-            });
+            flight.step(&mut |_| {});
+        }
+        if let Some(udp) = udp.as_deref_mut() {
+            udp.send(&mut flight.world.links);
         }
         for (time, event) in flight.events.iter().skip(printed) {
             status.print(&format!("{time:7.1} s  {event}"));
@@ -292,7 +291,8 @@ fn finish(
     path: &Path,
 ) -> Result<(), Failure> {
     let (simulated, real) = (flight.world.time(), began.elapsed().as_secs_f64());
-    let counters = flight.world.connection.counters();
+    let world = &flight.world;
+    let counters = world.connection.counters().plus(world.links.counters());
     say!(
         "{simulated:.1} s simulated in {real:.1} s ({:.0} x). MAVLink: {} received, {} sent, {} frames and {} bytes dropped, {} refused, {} queue overflows.",
         simulated / real.max(1e-3),

@@ -23,7 +23,7 @@ const EPILOGUE: f64 = 2.0;
 /// Bytes that go into the console port in a millisecond.
 const CONSOLE: usize = 300;
 /// System id of the winch.
-const WINCH: u32 = 20;
+const WINCH: u8 = 169;
 /// Of the ground station.
 const GROUND: u32 = 255;
 const HEARTBEAT_MS: u64 = 500;
@@ -169,7 +169,7 @@ impl<'a> Host<'a> {
             plan,
             devices,
             mission,
-            winch: MavlinkSender::new(WINCH, 1),
+            winch: MavlinkSender::new(plan.params.system_id as u32, WINCH),
             ground: MavlinkSender::new(GROUND, 1),
             parser: Parser::new(),
             console: Vec::new(),
@@ -353,10 +353,11 @@ mod tests {
             host.update(&Status::default());
         }
         let mut parser = Parser::new();
-        let mut systems = Vec::new();
-        parser.push(&host.console, |frame| systems.push(frame.system));
-        assert!(systems.contains(&(WINCH as u8)), "{systems:?}");
-        [systems.contains(&(GROUND as u8)), systems.contains(&200)]
+        let mut senders = Vec::new();
+        parser.push(&host.console, |frame| senders.push((frame.system, frame.component)));
+        assert!(senders.contains(&(1, WINCH)), "{senders:?}");
+        let has_ground = senders.iter().any(|(system, _)| u32::from(*system) == GROUND);
+        [has_ground, senders.contains(&(1, 197))]
     }
 
     /// Whether they get through to the firmware in the simulator.

@@ -10,8 +10,7 @@ use mavlink::types::CharArray;
 use nalgebra::UnitQuaternion;
 use std::collections::VecDeque;
 
-/// Ids of the computer: a component for visual odometry.
-const SYSTEM: u32 = 200;
+/// Id of the computer: a component for visual odometry.
 const COMPONENT: u8 = 197;
 
 /// The cameras and what is in transit.
@@ -26,13 +25,13 @@ pub struct MotionCapture {
 }
 
 impl MotionCapture {
-    /// Nothing measured yet.
+    /// Nothing measured yet; a companion of the vehicle `system`.
     #[must_use]
-    pub fn new(model: CaptureSection, seed: u64) -> Self {
+    pub fn new(model: CaptureSection, system: u8, seed: u64) -> Self {
         Self {
             model,
             rng: generator(seed, 5),
-            sender: MavlinkSender::new(SYSTEM, COMPONENT),
+            sender: MavlinkSender::new(u32::from(system), COMPONENT),
             in_transit: VecDeque::new(),
             next_us: 0,
         }

@@ -53,7 +53,9 @@ impl Environment {
             plant,
             sensors: SensorSuite::new(scenario, clock.clone(), mounting, seed),
             faults: Faults::new(&scenario.fault),
-            capture: has_capture.then(|| MotionCapture::new(scenario.capture.clone(), seed)),
+            capture: has_capture.then(|| {
+                MotionCapture::new(scenario.capture.clone(), params.system_id as u8, seed)
+            }),
             reaction: scenario.rod.reaction,
             balancing_since: None,
             started_us: 0,

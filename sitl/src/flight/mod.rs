@@ -4,13 +4,10 @@ mod autopilot;
 mod breakage;
 mod capture;
 mod environment;
-mod injection;
 mod mavlink_sender;
 mod mission;
 mod recorder;
 mod shadow;
-mod udp;
-mod uplink;
 mod world;
 
 pub use autopilot::Autopilot;
@@ -19,7 +16,6 @@ pub use mavlink_sender::MavlinkSender;
 pub use mission::{MissionRunner, Progress};
 pub use recorder::Recorder;
 pub use shadow::Shadow;
-pub use udp::Udp;
 pub use world::World;
 
 use crate::metrics::Metrics;

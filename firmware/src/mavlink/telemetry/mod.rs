@@ -48,7 +48,7 @@ const fn on_request<D: MessageData>(send: fn(&mut Session, &Outgoing, Sink)) -> 
 }
 
 /// All messages, with their intervals, in the order in which they go out.
-pub(super) const MESSAGES: [Message; 22] = [
+pub(super) const MESSAGES: [Message; 23] = [
     stream::<mav::HEARTBEAT_DATA>(1_000_000, Session::send_heartbeat),
     stream::<mav::SYS_STATUS_DATA>(500_000, Session::send_sys_status),
     stream::<mav::SYSTEM_TIME_DATA>(1_000_000, Session::send_system_time),
@@ -66,6 +66,7 @@ pub(super) const MESSAGES: [Message; 22] = [
     stream::<mav::NAMED_VALUE_FLOAT_DATA>(100_000, Session::send_tether),
     stream::<mav::ODOMETRY_DATA>(50_000, Session::send_odometry),
     stream::<mav::CURRENT_MODE_DATA>(2_000_000, Session::send_current_mode),
+    stream::<mav::AVAILABLE_MODES_MONITOR_DATA>(5_000_000, Session::send_modes_monitor),
     stream::<mav::WINCH_STATUS_DATA>(500_000, Session::send_winch),
     on_request::<mav::AUTOPILOT_VERSION_DATA>(Session::send_version),
     on_request::<mav::MESSAGE_INTERVAL_DATA>(Session::send_interval),

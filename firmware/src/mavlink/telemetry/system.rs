@@ -2,6 +2,8 @@
 
 use super::{Outgoing, standard_mode};
 use crate::mavlink::{Session, Sink, speaks_px4};
+use crate::model::TetherKind;
+use crate::param::Params;
 use crate::signal::{Event, ImuHealth, Severity};
 use crate::supervisor::{MODES, ModeRule};
 use crate::vehicle::StepOutput;
@@ -141,22 +143,28 @@ impl Session {
 
     /// Index 0 asks for all; after an accepted request the last index is always sent.
     pub(super) fn send_available_modes(&mut self, at: &Outgoing, sink: Sink) {
-        let Outgoing { argument: index, .. } = *at;
+        let Outgoing { argument: index, params, .. } = *at;
         let mut count = 0_u8;
         for rule in MODES.iter().filter(|rule| rule.is_built) {
             count += 1;
             if index == 0 || index == u16::from(count) {
-                self.send_available_mode(rule, count, sink);
+                self.send_available_mode((rule, count), params, sink);
             }
         }
     }
 
-    pub(super) fn send_available_mode(&mut self, rule: &ModeRule, mode_index: u8, sink: Sink) {
-        let properties = if rule.needs.sticks {
-            mav::MavModeProperty::empty()
-        } else {
-            mav::MavModeProperty::MAV_MODE_PROPERTY_AUTO_MODE
-        };
+    fn send_available_mode(
+        &mut self,
+        (rule, mode_index): (&ModeRule, u8),
+        params: &Params,
+        sink: Sink,
+    ) {
+        use mav::MavModeProperty as P;
+        let mut properties = P::empty();
+        properties.set(P::MAV_MODE_PROPERTY_AUTO_MODE, !rule.needs.sticks);
+        let kind = TetherKind::from_parameter(params.tether_kind);
+        let is_forbidden = !rule.on.contains(kind);
+        properties.set(P::MAV_MODE_PROPERTY_NOT_USER_SELECTABLE, is_forbidden);
         let m = mav::AVAILABLE_MODES_DATA {
             custom_mode: rule.custom_mode,
             properties,
@@ -166,6 +174,12 @@ impl Session {
             mode_name: CharArray::from(rule.name),
         };
         self.send(&m, sink);
+    }
+
+    /// Which modes can be chosen changes with the kind of link.
+    pub(super) fn send_modes_monitor(&mut self, at: &Outgoing, sink: Sink) {
+        let seq = at.params.tether_kind as u8;
+        self.send(&mav::AVAILABLE_MODES_MONITOR_DATA { seq }, sink);
     }
 
     pub(in crate::mavlink) fn send_text(&mut self, event: &Event, sink: Sink) {

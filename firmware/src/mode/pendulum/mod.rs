@@ -10,7 +10,7 @@ mod path;
 pub(crate) use observe::RodWatch;
 use path::LoadPath;
 
-use super::refusal::check_heading;
+use super::refusal::{self, check_heading};
 use super::{
     Context, Entry, Exit, FlightMode, Handover, ModeReport, Refusal, Setpoints, denied, rejected,
 };
@@ -155,7 +155,7 @@ impl<S: Scalar> FlightMode<S> for Pendulum<S> {
     ) -> Result<Self, Refusal> {
         let Some(config) = &cx.config.modes.pendulum else {
             let text = gain_warning(cx.params).filter(|_| cx.config.constants.kind.is_free());
-            return Err(denied(text.unwrap_or("Mode refused: needs TET_KIND 4, free flight")));
+            return Err(denied(text.unwrap_or(refusal::NEEDS_FREE_FLIGHT)));
         };
         let situation = cx.situation;
         let Some(watch) =
@@ -257,11 +257,11 @@ impl<S: Scalar> FlightMode<S> for Pendulum<S> {
         cx: &Context<'_, S>,
     ) -> Result<(), Refusal> {
         // Of a stream the places: the load's own plan makes the velocity.
-        let (Action::MoveTo { ned, yaw } | Action::Stream { ned, yaw, .. }) = *action else {
-            return Err(super::refusal::not_here(action));
+        let Action::MoveTo { ned, yaw } = *action else {
+            return Err(refusal::not_here(action));
         };
         if ned.iter().all(Option::is_none) && yaw.is_none() {
-            return Err(super::refusal::not_here(action));
+            return Err(refusal::not_here(action));
         }
         check_heading(yaw)?;
         if ned.iter().flatten().any(|x| x.is_nan() || x.abs() > cx.params.length_max) {

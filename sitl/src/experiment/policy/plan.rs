@@ -248,7 +248,7 @@ impl Ask {
     /// As it is sent to the vehicle `system`.
     #[must_use]
     pub fn datagram(&self, system: u8) -> Vec<u8> {
-        let mut sender = MavlinkSender::new(254, 190);
+        let mut sender = MavlinkSender::new(255, 190);
         match self {
             Self::Command(command, p) => {
                 let [param1, param2, param3, param4, param5, param6, param7] = *p;
@@ -266,13 +266,22 @@ impl Ask {
                     confirmation: 0,
                 })
             }
-            Self::Set(meta, value) => sender.frame(&PARAM_SET_DATA {
-                param_value: *value,
-                target_system: system,
-                target_component: 1,
-                param_id: CharArray::from(meta.name),
-                param_type: MavParamType::MAV_PARAM_TYPE_REAL32,
-            }),
+            Self::Set(meta, value) => {
+                let (param_value, param_type) = match meta.kind {
+                    Kind::Real => (*value, MavParamType::MAV_PARAM_TYPE_REAL32),
+                    Kind::Int => {
+                        let bits = f32::from_bits(*value as i32 as u32);
+                        (bits, MavParamType::MAV_PARAM_TYPE_INT32)
+                    }
+                };
+                sender.frame(&PARAM_SET_DATA {
+                    param_value,
+                    target_system: system,
+                    target_component: 1,
+                    param_id: CharArray::from(meta.name),
+                    param_type,
+                })
+            }
             Self::Sticks([roll, pitch, yaw, throttle]) => {
                 let unit = |x: &f64| (x.clamp(-1.0, 1.0) * 1e3) as i16;
                 sender.frame(&MANUAL_CONTROL_DATA {

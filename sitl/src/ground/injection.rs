@@ -1,7 +1,7 @@
 //! `MAV_CMD_INJECT_FAILURE`: a ground station breaks something in a running simulation, by the faults of the
 //! scenario file.
 
-use super::MavlinkSender;
+use crate::flight::MavlinkSender;
 use crate::scenario::{FaultKind, FaultSection, Faults};
 use mavlink::MessageData;
 use mavlink::dialects::common::{
@@ -75,14 +75,14 @@ impl Injection {
         Self { parser: Parser::new(), sender: MavlinkSender::new(u32::from(system), 1), system }
     }
 
-    /// Takes a datagram that asks for a failure at `time` s; false: it asks for something else.
+    /// Does what a datagram asks for at `time` s, and answers; what else stands in it is for others.
     pub fn take(
         &mut self,
         datagram: &[u8],
         time: f64,
         faults: &mut Faults,
         send: &mut dyn FnMut(&[u8]),
-    ) -> bool {
+    ) {
         let mut answers = Vec::new();
         let system = self.system;
         self.parser.push(datagram, |frame| {
@@ -96,7 +96,6 @@ impl Injection {
             let command = MavCmd::MAV_CMD_INJECT_FAILURE;
             send(&self.sender.frame(&COMMAND_ACK_DATA { command, result }));
         }
-        !answers.is_empty()
     }
 }
 

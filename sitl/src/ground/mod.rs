@@ -1,0 +1,12 @@
+//! The ground side of MAVLink: one connection for each that speaks to the vehicle, and what only a simulator or a
+//! companion computer can serve.
+
+mod injection;
+mod links;
+mod udp;
+mod uplink;
+
+pub use injection::Injection;
+pub use links::{Links, Peer};
+pub use udp::Udp;
+pub use uplink::Uplink;
