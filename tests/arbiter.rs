@@ -108,7 +108,10 @@ fn in_mode_of(mode: Mode, seed: u64) -> Flight<Vec<u8>> {
         _ => {}
     }
     until(&mut flight, 80.0, is_there);
-    run(&mut flight, if matches!(mode, Mode::Stabilize | Mode::Offboard | Mode::Position) { 0.2 } else { 2.0 });
+    run(
+        &mut flight,
+        if matches!(mode, Mode::Stabilize | Mode::Offboard | Mode::Position) { 0.2 } else { 2.0 },
+    );
     flight
 }
 

@@ -50,6 +50,17 @@ pub fn checksum(bytes: &[u8], extra: u8) -> u16 {
     step(rest.iter().fold(crc, |crc, byte| step(crc, *byte)), extra)
 }
 
+/// CRC-32 as MAVLink FTP and ground stations compute it, continued from `crc`; it begins at zero.
+#[must_use]
+pub fn crc32(crc: u32, bytes: &[u8]) -> u32 {
+    const POLYNOMIAL: u32 = 0xEDB8_8320;
+    bytes.iter().fold(crc, |crc, byte| {
+        (0..8).fold(crc ^ u32::from(*byte), |crc, _| {
+            (crc >> 1) ^ (POLYNOMIAL & (crc & 1).wrapping_neg())
+        })
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

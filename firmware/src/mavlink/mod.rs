@@ -8,6 +8,7 @@
 //! Per tick of the host: [`Connection::receive`] with whatever arrived, [`Connection::next_request`] into the
 //! step's input, [`Connection::transmit`] with the step's output.
 
+mod budget;
 mod capture;
 mod checksum;
 mod command;
@@ -19,6 +20,7 @@ mod schedule;
 mod services;
 mod telemetry;
 
+pub use checksum::crc32;
 pub use frame::{Frame, Losses, MAX_FRAME, Parser};
 
 use crate::param::Params;
@@ -26,6 +28,7 @@ use crate::sense::RawSensors;
 use crate::signal::{Action, Event, Request, Severity, Sticks, Ticket};
 use crate::time::{Micros, Sample};
 use crate::vehicle::StepOutput;
+use budget::Budget;
 use command::Calibration;
 use heapless::Deque;
 use mavlink::{MavlinkVersion, MessageData};
@@ -45,6 +48,15 @@ pub const COMPONENT_AUTOPILOT: u8 = 1;
 fn speaks_px4(params: &Params) -> bool {
     const MAV_AUTOPILOT_PX4: u8 = 12;
     params.autopilot_type as u8 == MAV_AUTOPILOT_PX4
+}
+
+/// Which vehicle this is, and what it runs.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Identity {
+    /// Of the hardware, or of the simulated vehicle.
+    pub uid: u64,
+    /// First eight bytes of the commit, as AUTOPILOT_VERSION has it; zeros where it is not known.
+    pub revision: [u8; 8],
 }
 
 /// What was received, and what was dropped.
@@ -100,6 +112,9 @@ struct Session {
     commander: Option<u8>,
     /// The host answers for files, logs and a shell itself.
     is_served: bool,
+    metadata_crc: Option<u32>,
+    identity: Identity,
+    budget: Option<Budget>,
     calibration: Calibration,
     /// When a set-point was last told to be wrong.
     told_at: Option<Micros>,
@@ -132,9 +147,24 @@ impl Connection {
         Self { session: Session { link, ..Session::default() }, ..Self::default() }
     }
 
-    /// The host answers for files, logs, a shell and injected failures itself.
-    pub fn leave_services(&mut self) {
+    /// The host answers for files, logs, a shell and injected failures itself; this is the checksum of the file that
+    /// describes the component.
+    pub fn leave_services(&mut self, metadata_crc: u32) {
         self.session.is_served = true;
+        self.session.metadata_crc = Some(metadata_crc);
+    }
+
+    /// As AUTOPILOT_VERSION tells it.
+    pub fn identify(&mut self, identity: Identity) {
+        self.session.identity = identity;
+    }
+
+    /// A link of so many bytes a second: lower rates from the start, and no more than it carries.
+    #[must_use]
+    pub fn narrow(mut self, bytes_per_second: u32) -> Self {
+        self.session.streams = Streams::narrow();
+        self.session.budget = Some(Budget::new(bytes_per_second));
+        self
     }
 
     /// Whether what a datagram may ask for finds room. A host that can wait does.
@@ -208,6 +238,9 @@ impl Default for Session {
             sequence: 0,
             commander: None,
             is_served: false,
+            metadata_crc: None,
+            identity: Identity::default(),
+            budget: None,
             calibration: Calibration::default(),
             told_at: None,
             counters: ConnectionCounters::default(),
@@ -242,13 +275,25 @@ impl Session {
         }
         self.report_calibration(out, sink);
         self.send_echoes(params, sink);
-        self.send_list(out.now, params, sink);
+        if let Some(budget) = &mut self.budget {
+            budget.refill(out.now);
+        }
+        if self.has_budget() {
+            self.send_list(out.now, params, sink);
+        }
         while let Some((id, argument)) = self.once.pop_front() {
             self.send_message(id, &Outgoing { out, params, argument }, sink);
         }
-        while let Some(id) = self.streams.next_due(out.now) {
+        while self.has_budget()
+            && let Some(id) = self.streams.next_due(out.now)
+        {
             self.send_message(id, &Outgoing { out, params, argument: 0 }, sink);
         }
+    }
+
+    /// Acknowledgements and texts always go; the rest waits for its share of a narrow link.
+    fn has_budget(&self) -> bool {
+        self.budget.as_ref().is_none_or(Budget::has_room)
     }
 
     /// For the vehicle; nobody waits for an acknowledgement.
@@ -289,6 +334,9 @@ impl Session {
         if let Some(frame) = frame::encode(header, id, extra_crc, payload, &mut bytes) {
             self.sequence = self.sequence.wrapping_add(1);
             self.counters.sent = self.counters.sent.wrapping_add(1);
+            if let Some(budget) = &mut self.budget {
+                budget.spend(frame.len());
+            }
             sink(frame);
         }
     }

@@ -1,5 +1,6 @@
 //! Parameter service: list, read, set. The table is `param::META`, and behind it `param::ALIASES`.
 
+use super::checksum::crc32;
 use super::frame::Frame;
 use super::{Session, Sink, speaks_px4};
 use crate::param::{ALIASES, Alias, Kind, META, ParamError, Params};
@@ -49,22 +50,16 @@ fn entry(index: usize, params: &Params) -> Option<(&'static str, Kind, f32)> {
     }
 }
 
-/// As ground stations compute it over their copy: names and values by name, CRC-32 that begins at zero.
+/// As ground stations compute it over their copy: names and values, by name.
 fn hash(params: &Params) -> u32 {
     let mut crc = 0_u32;
-    let mut take = |byte: u8| {
-        crc ^= u32::from(byte);
-        for _ in 0..8 {
-            crc = (crc >> 1) ^ (0xEDB8_8320 & (crc & 1).wrapping_neg());
-        }
-    };
     let mut last = "";
     loop {
         let entries = (0..COUNT).filter_map(|index| entry(index, params));
         let next = entries.filter(|(name, ..)| *name > last).min_by_key(|(name, ..)| *name);
         let Some((name, kind, value)) = next else { break };
         let bits = if kind == Kind::Int { value as i32 as u32 } else { value.to_bits() };
-        name.bytes().chain(bits.to_le_bytes()).for_each(&mut take);
+        crc = crc32(crc32(crc, name.as_bytes()), &bits.to_le_bytes());
         last = name;
     }
     crc

@@ -9,6 +9,11 @@ use mavlink::dialects::common::HEARTBEAT_DATA;
 /// Shortest interval, µs: the outer loop's period.
 const FASTEST_US: u32 = 4_000;
 
+/// Which column of [`MESSAGES`] is the default.
+type Profile = fn([u32; 2]) -> u32;
+const WIDE: Profile = |[wide, _]| wide;
+const NARROW: Profile = |[_, narrow]| narrow;
+
 /// One stream, as it is now.
 #[derive(Clone, Copy, Debug)]
 struct Stream {
@@ -20,28 +25,42 @@ struct Stream {
 #[derive(Clone, Copy, Debug)]
 pub struct Streams {
     rows: [Stream; MESSAGES.len()],
+    profile: Profile,
     /// Nothing is due earlier.
     wake: Micros,
 }
 
 impl Default for Streams {
     fn default() -> Self {
-        let start = |message: &Message| Stream {
-            interval_us: message.interval_us.unwrap_or(0),
-            due: Micros(0),
-        };
-        Self { rows: MESSAGES.each_ref().map(start), wake: Micros(0) }
+        Self::start(WIDE)
     }
 }
 
 impl Streams {
+    /// At the rates of a link that carries little.
+    pub fn narrow() -> Self {
+        Self::start(NARROW)
+    }
+
+    fn start(profile: Profile) -> Self {
+        let start = |message: &Message| Stream {
+            interval_us: message.interval_us.map_or(0, profile),
+            due: Micros(0),
+        };
+        Self { rows: MESSAGES.each_ref().map(start), profile, wake: Micros(0) }
+    }
+
     /// A message that is due; call until `None`.
     pub fn next_due(&mut self, now: Micros) -> Option<u32> {
         if now < self.wake {
             return None;
         }
-        let mut rows = self.rows.iter_mut().zip(&MESSAGES);
-        let Some((due, message)) = rows.find(|(s, _)| s.interval_us > 0 && now >= s.due) else {
+        let rows = self.rows.iter_mut().zip(&MESSAGES);
+        // The heartbeat first; then who has waited longest, lest a fast one starve the rest on a narrow link.
+        let due = rows
+            .filter(|(s, _)| s.interval_us > 0 && now >= s.due)
+            .min_by_key(|(s, m)| if m.id == HEARTBEAT_DATA::ID { Micros(0) } else { s.due });
+        let Some((due, message)) = due else {
             let due = self.rows.iter().filter(|s| s.interval_us > 0).map(|s| s.due);
             self.wake = due.min().unwrap_or(now);
             return None;
@@ -64,7 +83,7 @@ impl Streams {
         stream.interval_us = if interval_us < 0.0 {
             0
         } else if interval_us < 1.0 {
-            default
+            (self.profile)(default)
         } else {
             (interval_us as u32).max(FASTEST_US)
         };

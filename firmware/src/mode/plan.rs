@@ -241,6 +241,10 @@ fn check<S: Scalar>(
     if !within(to.length, nearest, p.length_max) {
         return Err(denied("Move refused: length out of range"));
     }
+    let place = to.to_world().0;
+    if p.has_fence() && !p.is_inside_fence(place, -place.z) {
+        return Err(denied("Move refused: beyond the fence"));
+    }
     let is_fixed = cx.config.constants.radial_control == RadialControl::FixedLength;
     if is_fixed && (to.length - p.tether_length).abs() > LENGTH_TOLERANCE {
         return Err(denied("Move refused: the tether has a fixed length"));

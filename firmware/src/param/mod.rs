@@ -7,6 +7,7 @@
 
 mod alias;
 mod combination;
+mod fence;
 mod tree;
 
 pub use alias::{ALIASES, Alias};

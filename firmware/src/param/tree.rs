@@ -367,6 +367,12 @@ params! {
         link_loss_time: "FS_LINK_T" Real ["s"] = 5.0 in 0.5 ..= 600.0;
         /// On link loss: 1 = hold, 2 = land, 3 = flat-attitude descent.
         link_loss_action: "FS_LINK_ACT" Int [""] = 2.0 in 1.0 ..= 3.0;
+        /// Beyond the fence: 0 = nothing, 1 = warn, 2 = hold, 3 = return and land, 4 = motors off, 5 = land in place.
+        fence_action: "GF_ACTION" Int [""] = 0.0 in 0.0 ..= 5.0;
+        /// Radius of the fence around the anchor; 0 = none.
+        fence_radius: "GF_MAX_HOR_DIST" Real ["m"] = 0.0 in 0.0 ..= 10000.0;
+        /// Height of the fence over the anchor; 0 = none.
+        fence_height: "GF_MAX_VER_DIST" Real ["m"] = 0.0 in 0.0 ..= 10000.0;
         /// Time with a slack tether before its action.
         slack_time: "FS_SLACK_T" Real ["s"] = 3.0 in 0.2 ..= 60.0;
         /// Tension below which the tether counts as slack.

@@ -52,6 +52,8 @@ pub enum Failure {
     LandingOverdue = 19,
     /// A rotor gives no thrust, and the others do its work.
     RotorLost = 20,
+    /// Higher or further out than the fence.
+    FenceBreached = 21,
 }
 
 /// Where a failure ends. Ordered by severity.
@@ -110,6 +112,8 @@ pub struct FailsafeFacts {
     pub line: LineFault,
     /// One that can be spared.
     pub rotor_is_lost: bool,
+    /// Beyond the fence.
+    pub is_outside: bool,
     /// Motion capture gives a position, or none is needed.
     pub has_capture: bool,
     /// The ground end reports, or the length is fixed.
@@ -131,6 +135,8 @@ pub struct Failsafes {
     capture_delay_us: u64,
     cell_low: f32,
     cell_critical: f32,
+    /// `None`: nothing, or a warning only.
+    fence_action: Option<FailsafeAction>,
 }
 
 /// One row of [`FAILSAFES`].
@@ -151,6 +157,9 @@ pub struct Failsafe {
 /// Battery sag under a manoeuvre shall not land the vehicle.
 const BATTERY_DELAY_US: u64 = 3_000_000;
 
+/// A gust at the fence is none of its business.
+const FENCE_DELAY_US: u64 = 500_000;
+
 /// Tilt at which nothing can be saved (80°), and how long it must last.
 const CAPSIZED_COS: f32 = 0.17;
 const CAPSIZED_DELAY_US: u64 = 300_000;
@@ -164,7 +173,7 @@ fn concerns(mode: Mode, need: impl Fn(&Needs) -> bool) -> bool {
 }
 
 /// All failures, ordered as [`Failure`].
-pub const FAILSAFES: [Failsafe; 21] = [
+pub const FAILSAFES: [Failsafe; 22] = [
     Failsafe {
         failure: Failure::ImuLost,
         text: "IMU lost: descending blind",
@@ -314,6 +323,13 @@ pub const FAILSAFES: [Failsafe; 21] = [
         delay: |_| 0,
         action: |_| FailsafeAction::Land,
     },
+    Failsafe {
+        failure: Failure::FenceBreached,
+        text: "Fence breached",
+        is_present: |c, f| f.is_outside && c.fence_action.is_some(),
+        delay: |_| FENCE_DELAY_US,
+        action: |c| c.fence_action.unwrap_or(FailsafeAction::Hold),
+    },
 ];
 
 /// Nothing says how the vehicle turns.
@@ -330,7 +346,10 @@ const OVERDUE_US: u64 = 60_000_000;
 /// Since when each failure is present, and what came of it. Bit n stands for row n of [`FAILSAFES`].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FailsafeState {
-    since: [Option<Micros>; FAILSAFES.len()],
+    /// In the last step.
+    present: u32,
+    /// Of those that are.
+    since: [Micros; FAILSAFES.len()],
     /// By a mode, until [`Self::raised_until`].
     raised: u32,
     raised_until: Micros,
@@ -395,6 +414,14 @@ impl Failsafes {
             capture_delay_us: micros(p.capture_loss_time),
             cell_low: p.battery_low,
             cell_critical: p.battery_critical,
+            // PX4's numbers: 2 hold, 3 return and land, 4 terminate, 5 land in place.
+            fence_action: match p.fence_action as i32 {
+                2 => Some(FailsafeAction::Hold),
+                3 => Some(FailsafeAction::Land),
+                4 => Some(FailsafeAction::Terminate),
+                5 => Some(FailsafeAction::Descend),
+                _ => None,
+            },
         }
     }
 
@@ -408,19 +435,31 @@ impl Failsafes {
         if now >= state.raised_until {
             state.raised = 0;
         }
+        let mut shown = 0;
+        for (row, bit) in FAILSAFES.iter().zip(0_u32..) {
+            if (row.is_present)(self, facts) {
+                shown |= 1 << bit;
+            }
+        }
+        let present = shown | state.raised;
+        let begun = present & !state.present;
+        state.present = present;
+        state.in_force &= present;
         let mut worst: Option<FailsafeAction> = None;
         let mut fresh: Option<(FailsafeAction, &'static Failsafe)> = None;
-        for ((row, since), bit) in FAILSAFES.iter().zip(&mut state.since).zip(0_u32..) {
+        let mut left = present;
+        while left != 0 {
+            let bit = left.trailing_zeros();
             let mask = 1_u32 << bit;
-            let is_raised = state.raised & mask != 0;
-            let is_present = (row.is_present)(self, facts);
-            if !(is_present || is_raised) {
-                *since = None;
-                state.in_force &= !mask;
-                continue;
+            left &= !mask;
+            let at = bit as usize;
+            let (Some(row), Some(since)) = (FAILSAFES.get(at), state.since.get_mut(at)) else {
+                break;
+            };
+            if begun & mask != 0 {
+                *since = now;
             }
-            let began = *since.get_or_insert(now);
-            if now.since(began) < (row.delay)(self) && !is_raised {
+            if now.since(*since) < (row.delay)(self) && state.raised & mask == 0 {
                 continue;
             }
             let action = (row.action)(self);
@@ -431,7 +470,7 @@ impl Failsafes {
                 fresh = Some((action, row));
             }
             state.in_force |= mask;
-            if is_present && action > FailsafeAction::Hold {
+            if shown & mask != 0 && action > FailsafeAction::Hold {
                 state.latched |= mask;
             }
         }

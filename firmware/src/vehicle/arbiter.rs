@@ -66,6 +66,15 @@ impl<S: Scalar> Vehicle<S> {
         is_told || self.config.constants.radial_control != RadialControl::Winch
     }
 
+    /// Beyond the fence, if there is one.
+    pub(super) fn is_outside(&self) -> bool {
+        let (p, estimate) = (&self.params, &self.situation.estimate);
+        p.has_fence() && {
+            let place = estimate.position.map(|position| position.0.map(Scalar::to_f32));
+            !p.is_inside_fence(place.unwrap_or_default(), estimate.height.to_f32())
+        }
+    }
+
     fn failsafe_facts(&self, cx: &Context<'_, S>) -> FailsafeFacts {
         let estimate = &cx.situation.estimate;
         FailsafeFacts {
@@ -78,6 +87,7 @@ impl<S: Scalar> Vehicle<S> {
             is_gone: estimate.tether_is_gone,
             line: self.state.line,
             rotor_is_lost: self.state.lost_rotor.is_some(),
+            is_outside: self.is_outside(),
             has_capture: !self.config.constants.kind.is_free() || estimate.position.is_some(),
             tether_is_known: self.tether_is_known(cx.sensors),
             cell: cx.sensors.battery.map(|battery| battery.cell.to_f32()),

@@ -4,7 +4,7 @@ use super::Failure;
 use super::console::Console;
 use super::status::StatusLine;
 use crate::flight::{Autopilot, Flight, Progress, Shadow};
-use crate::ground::Udp;
+use crate::ground::{Files, Udp};
 use crate::scenario::{Arithmetic, Scenario, Step, TetherKind, params_file, set_param};
 use clap::Args;
 use std::fs::{self, File};
@@ -215,6 +215,7 @@ pub fn run(options: &Options) -> Result<(), Failure> {
         None
     } else {
         let links = &mut flight.world.links;
+        links.files = Files::with_logs(&options.log_dir);
         Some(Udp::bind(options.instance, options.bind, links).map_err(Failure::Usage)?)
     };
 

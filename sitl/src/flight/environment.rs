@@ -2,8 +2,9 @@
 
 use super::breakage::Breakage;
 use super::capture::MotionCapture;
+use crate::ground::Winch;
 use crate::plant::{Disturbance, Plant, PlantModel, Push, generator};
-use crate::scenario::{DisturbanceKind, FaultKind, Faults, Scenario, Source};
+use crate::scenario::{DisturbanceKind, FAULTS, FaultKind, Faults, Scenario, Source};
 use crate::sensor::SensorSuite;
 use std::f64::consts::PI;
 use tautline_firmware::param::Params;
@@ -27,6 +28,8 @@ pub struct Environment {
     /// Faults.
     pub faults: Faults,
     breakage: Breakage,
+    /// The ground end's computer.
+    pub winch: Winch,
     capture: Option<MotionCapture>,
     /// From the change of mode until the rod is released, s; and when that change was, s.
     reaction: f64,
@@ -50,6 +53,7 @@ impl Environment {
         let has_capture = scenario.capture.rate > 0.0;
         Self {
             breakage: Breakage::new(&plant),
+            winch: Winch::new(params.system_id as u8),
             plant,
             sensors: SensorSuite::new(scenario, clock.clone(), mounting, seed),
             faults: Faults::new(&scenario.fault),
@@ -93,6 +97,13 @@ impl Environment {
         self.faults.is_active(kind, self.clock.now_us() as f64 * 1e-6)
     }
 
+    /// Names of the faults that are active now.
+    #[must_use]
+    pub fn active_faults(&self) -> Vec<&'static str> {
+        let active = FAULTS.iter().filter(|rule| self.is_active(rule.kind));
+        active.map(|rule| rule.name).collect()
+    }
+
     /// Hands on a MAVLink frame to the vehicle, unless a fault cuts off its source.
     pub fn deliver(&self, source: Source, frame: &[u8], receive: &mut dyn FnMut(&[u8])) {
         if !self.faults.cuts(source, self.clock.now_us() as f64 * 1e-6) {
@@ -108,7 +119,9 @@ impl Environment {
         }
         let time = self.clock.now_us() as f64 * 1e-6;
         self.breakage.apply(&mut self.faults, time, &mut self.plant, &mut throttle, &mut winch);
+        self.winch.drive(&mut self.plant, &mut winch);
         self.plant.step(&throttle, winch);
+        self.winch.release(&mut self.plant);
         self.clock.advance_to(self.clock.now_us() + STEP_US);
     }
 

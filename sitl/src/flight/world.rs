@@ -1,7 +1,7 @@
 //! One millisecond at a time: plant → sensors → drivers → the firmware's step → ESCs.
 
 use super::{Autopilot, Environment};
-use crate::ground::{Injection, Links, Uplink};
+use crate::ground::{Host, Injection, Links, Uplink};
 use crate::scenario::{Arithmetic, Scenario, ScenarioError, Source};
 use tautline_firmware::mavlink::Connection;
 use tautline_firmware::param::Params;
@@ -84,6 +84,9 @@ impl World {
         let time = self.environment.now().0 as f64 * 1e-6;
         let faults = &mut self.environment.faults;
         self.injection.take(datagram, time, faults, &mut |frame| answers.push(frame.to_vec()));
+        let Environment { winch, plant, .. } = &mut self.environment;
+        winch.take(datagram, plant, &mut |frame| answers.push(frame.to_vec()));
+        let faults = &self.environment.faults;
         if self.uplink.passes(faults, time, link, datagram) {
             self.hand_on(link, datagram, &mut |frame| answers.push(frame.to_vec()));
         }
@@ -92,12 +95,19 @@ impl World {
 
     fn hand_on(&mut self, link: u8, datagram: &[u8], send: &mut dyn FnMut(&[u8])) {
         let (now, params) = (self.environment.now(), self.vehicle.params());
-        let peer = self.links.peer(link).map(|peer| &mut peer.connection);
-        let Some(connection) = (if link == OWN { Some(&mut self.connection) } else { peer }) else {
-            return;
-        };
-        self.environment.deliver(Source::Ground, datagram, &mut |datagram| {
-            connection.receive_datagram(now, datagram, params, send);
+        let faults = self.environment.active_faults();
+        let (files, out) = (self.links.files.clone(), self.vehicle.output());
+        let host = Host { files: &files, params, out, faults: &faults };
+        let mut peer = self.links.peer(link);
+        let own = &mut self.connection;
+        self.environment.deliver(Source::Ground, datagram, &mut |datagram| match &mut peer {
+            Some(peer) => {
+                peer.serve(datagram, &host);
+                peer.connection.receive_datagram(now, datagram, params, send);
+            }
+            None if link == OWN => own.receive_datagram(now, datagram, params, send),
+            // Gone since it was sent.
+            None => {}
         });
     }
 
@@ -178,8 +188,17 @@ impl World {
         if self.is_heard {
             self.connection.transmit(out, params, send);
         }
+        let files = self.links.files.clone();
+        let host = Host { files: &files, params, out, faults: &[] };
+        let Environment { winch, plant, .. } = &mut self.environment;
+        if self.links.count() > 0 {
+            winch.tell(now.0, plant, &mut |frame| {
+                self.links.iter_mut().for_each(|peer| peer.write(frame));
+            });
+        }
         for peer in self.links.iter_mut() {
             peer.transmit(out, params);
+            peer.transfer(&host);
         }
         if reboots(out) {
             self.reboot();
@@ -193,7 +212,7 @@ const OWN: u8 = 0;
 
 fn own_connection() -> Connection {
     let mut connection = Connection::of_link(OWN);
-    connection.leave_services();
+    connection.leave_services(0);
     connection
 }
 

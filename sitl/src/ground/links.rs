@@ -1,5 +1,6 @@
 //! One connection a peer: its rates, its lists and its answers are its own.
 
+use super::services::{Files, Host, Services, general_crc};
 use std::collections::VecDeque;
 use std::net::SocketAddr;
 use std::time::{Duration, Instant};
@@ -12,7 +13,7 @@ const PEERS: usize = 32;
 /// Datagrams of one peer that wait for the vehicle; a flood drops its own.
 const WAITING: usize = 256;
 /// A peer that was silent this long is gone.
-const SILENCE: Duration = Duration::from_secs(10);
+const SILENCE: Duration = Duration::from_secs(5);
 
 /// Somebody at an address, and the vehicle's side of the talk with them.
 #[derive(Debug)]
@@ -25,6 +26,7 @@ pub struct Peer {
     pub address: SocketAddr,
     /// The vehicle's side.
     pub connection: Connection,
+    services: Services,
     /// Not read yet.
     inbox: VecDeque<Vec<u8>>,
     /// Not sent yet.
@@ -38,6 +40,8 @@ pub struct Peer {
 #[derive(Debug, Default)]
 pub struct Links {
     peers: Vec<Peer>,
+    /// What they may read.
+    pub files: Files,
     /// Datagrams dropped: of too many peers, or too many of one.
     pub dropped: u64,
 }
@@ -65,6 +69,7 @@ impl Links {
             port,
             address,
             connection: connection(link),
+            services: Services::default(),
             inbox: VecDeque::new(),
             outbox: Vec::new(),
             heard_at: None,
@@ -140,11 +145,23 @@ impl Links {
 
 fn connection(link: u8) -> Connection {
     let mut connection = Connection::of_link(link);
-    connection.leave_services();
+    connection.leave_services(general_crc());
     connection
 }
 
 impl Peer {
+    /// Serves what a datagram asks of the vehicle's computer.
+    pub fn serve(&mut self, datagram: &[u8], host: &Host) {
+        let outbox = &mut self.outbox;
+        self.services.take(datagram, host, &mut |frame| outbox.push(frame.to_vec()));
+    }
+
+    /// A millisecond of the transfers under way.
+    pub fn transfer(&mut self, host: &Host) {
+        let outbox = &mut self.outbox;
+        self.services.step(host, &mut |frame| outbox.push(frame.to_vec()));
+    }
+
     /// What the vehicle's step has to say to it.
     pub fn transmit(&mut self, out: &StepOutput, params: &Params) {
         let mut frames = Vec::new();

@@ -3,10 +3,14 @@
 
 mod injection;
 mod links;
+mod services;
 mod udp;
 mod uplink;
+mod winch;
 
 pub use injection::Injection;
 pub use links::{Links, Peer};
+pub use services::{Files, Host};
 pub use udp::Udp;
 pub use uplink::Uplink;
+pub use winch::Winch;

@@ -13,6 +13,27 @@ fn heading_cdeg(yaw: f32) -> u16 {
 }
 
 impl Session {
+    pub(super) fn send_altitude(&mut self, at: &Outgoing, sink: Sink) {
+        let v = &at.view();
+        let m = mav::ALTITUDE_DATA {
+            time_usec: v.usec,
+            altitude_monotonic: v.height,
+            altitude_amsl: at.params.home_altitude + v.height,
+            altitude_local: v.height,
+            altitude_relative: v.height,
+            altitude_terrain: v.height,
+            bottom_clearance: v.height - at.params.ground_height,
+        };
+        self.send(&m, sink);
+    }
+
+    /// The anchor, from which everything local counts.
+    pub(super) fn send_origin(&mut self, at: &Outgoing, sink: Sink) {
+        let (latitude, longitude) = global::to_lat_lon(at.params, 0.0, 0.0);
+        let altitude = (at.params.home_altitude * 1000.0) as i32;
+        self.send(&mav::GPS_GLOBAL_ORIGIN_DATA { latitude, longitude, altitude }, sink);
+    }
+
     pub(super) fn send_global_position(&mut self, at: &Outgoing, sink: Sink) {
         let Outgoing { params, .. } = *at;
         let v = &at.view();

@@ -5,7 +5,7 @@ use crate::mavlink::{Session, Sink, speaks_px4};
 use crate::model::TetherKind;
 use crate::param::Params;
 use crate::signal::{Event, ImuHealth, Severity};
-use crate::supervisor::{MODES, ModeRule};
+use crate::supervisor::{Failure, MODES, ModeRule};
 use crate::vehicle::StepOutput;
 use mavlink::dialects::common as mav;
 use mavlink::types::CharArray;
@@ -13,6 +13,10 @@ use mavlink::types::CharArray;
 /// PX4 release whose MAVLink behaviour is followed, as AUTOPILOT_VERSION encodes it (type DEV).
 /// QGroundControl refuses to work with less than 1.4.1.
 const PX4_INTERFACE_VERSION: u32 = (1 << 24) | (15 << 16);
+
+fn is_breached(out: &StepOutput) -> bool {
+    out.failures & Failure::FenceBreached.mask() != 0
+}
 
 fn base_mode(out: &StepOutput) -> mav::MavModeFlag {
     use mav::MavModeFlag as F;
@@ -59,18 +63,20 @@ impl Session {
     }
 
     pub(super) fn send_sys_status(&mut self, at: &Outgoing, sink: Sink) {
-        let Outgoing { out, .. } = *at;
+        let Outgoing { out, params, .. } = *at;
         use mav::MavSysStatusSensor as F;
         let inertial = F::MAV_SYS_STATUS_SENSOR_3D_GYRO | F::MAV_SYS_STATUS_SENSOR_3D_ACCEL;
         let altitude =
             F::MAV_SYS_STATUS_SENSOR_ABSOLUTE_PRESSURE | F::MAV_SYS_STATUS_SENSOR_LASER_POSITION;
         // The tether gives the local position; of all bits this one means "a position without GPS".
         let position = F::MAV_SYS_STATUS_SENSOR_VISION_POSITION;
-        let always = F::MAV_SYS_STATUS_GEOFENCE | F::MAV_SYS_STATUS_SENSOR_MOTOR_OUTPUTS;
+        let always = F::MAV_SYS_STATUS_SENSOR_MOTOR_OUTPUTS;
+        let fence = F::MAV_SYS_STATUS_GEOFENCE;
         let attitude = F::MAV_SYS_STATUS_AHRS;
         let battery_bit = F::MAV_SYS_STATUS_SENSOR_BATTERY;
         let prearm = F::MAV_SYS_STATUS_PREARM_CHECK;
-        let present = inertial | altitude | position | always | attitude | battery_bit | prearm;
+        let mut present = inertial | altitude | position | always | attitude | battery_bit | prearm;
+        present.set(fence, params.has_fence());
         let mut health = always;
         let mut set = |bits: F, holds: bool| {
             if holds {
@@ -82,6 +88,7 @@ impl Session {
         set(position, out.estimate.position.is_some());
         set(attitude, out.estimate.is_levelled);
         set(battery_bit, out.sensors.battery.is_some());
+        set(fence, params.has_fence() && !is_breached(out));
         set(prearm, out.is_armable || out.is_armed);
         let battery = out.sensors.battery.unwrap_or_default();
         let m = mav::SYS_STATUS_DATA {
@@ -130,12 +137,21 @@ impl Session {
             | C::MAV_PROTOCOL_CAPABILITY_PARAM_ENCODE_BYTEWISE
             | C::MAV_PROTOCOL_CAPABILITY_COMMAND_INT
             | C::MAV_PROTOCOL_CAPABILITY_SET_POSITION_TARGET_LOCAL_NED
+            | C::MAV_PROTOCOL_CAPABILITY_SET_POSITION_TARGET_GLOBAL_INT
+            | C::MAV_PROTOCOL_CAPABILITY_SET_ATTITUDE_TARGET
+            | C::MAV_PROTOCOL_CAPABILITY_FLIGHT_TERMINATION
             | C::MAV_PROTOCOL_CAPABILITY_MAVLINK2;
+        let capabilities = if self.is_served {
+            capabilities | C::MAV_PROTOCOL_CAPABILITY_FTP
+        } else {
+            capabilities
+        };
         let m = mav::AUTOPILOT_VERSION_DATA {
             capabilities,
             flight_sw_version: PX4_INTERFACE_VERSION,
             middleware_sw_version: PX4_INTERFACE_VERSION,
-            flight_custom_version: *b"tautline",
+            uid: self.identity.uid,
+            flight_custom_version: self.identity.revision,
             ..Default::default()
         };
         self.send(&m, sink);
@@ -172,6 +188,28 @@ impl Session {
             mode_index,
             standard_mode: standard_mode(rule.mode),
             mode_name: CharArray::from(rule.name),
+        };
+        self.send(&m, sink);
+    }
+
+    /// Where a host keeps what describes the parameters; silence where there is no such thing.
+    pub(super) fn send_metadata(&mut self, at: &Outgoing, sink: Sink) {
+        let Some(file_crc) = self.metadata_crc else { return };
+        let m = mav::COMPONENT_METADATA_DATA {
+            time_boot_ms: at.out.now.boot_ms(),
+            file_crc,
+            uri: CharArray::from("mftp://etc/extras/component_general.json"),
+        };
+        self.send(&m, sink);
+    }
+
+    pub(super) fn send_fence(&mut self, at: &Outgoing, sink: Sink) {
+        if !at.params.has_fence() {
+            return;
+        }
+        let m = mav::FENCE_STATUS_DATA {
+            breach_status: u8::from(is_breached(at.out)),
+            ..Default::default()
         };
         self.send(&m, sink);
     }

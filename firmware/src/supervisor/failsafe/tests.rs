@@ -3,6 +3,7 @@ use super::*;
 fn healthy() -> FailsafeFacts {
     FailsafeFacts {
         rotor_is_lost: false,
+        is_outside: false,
         mode: Mode::TetherHold,
         imu: ImuHealth::Good,
         has_diverged: false,
