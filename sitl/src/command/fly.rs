@@ -3,7 +3,7 @@
 use super::Failure;
 use super::console::Console;
 use super::status::StatusLine;
-use crate::flight::{Autopilot, Flight, Progress, Shadow};
+use crate::flight::{Address, Autopilot, Flight, Physics, Progress, Shadow};
 use crate::ground::{Files, Udp};
 use crate::scenario::{Arithmetic, Scenario, Step, TetherKind, params_file, set_param};
 use clap::Args;
@@ -23,7 +23,8 @@ const CHUNK_MS: u64 = 4;
 /// Options of a flight.
 #[derive(Debug, Args)]
 #[command(
-    after_help = "Example:\n  cargo sitl fly --speedup 5 --home 47.3977,8.5456,488,90 --param TET_TENSION=8"
+    after_help = "Examples:\n  cargo sitl fly --speedup 5 --home 47.3977,8.5456,488,90 --param TET_TENSION=8
+  cargo sitl fly --physics px4:127.0.0.1:4560 --headless"
 )]
 pub struct Options {
     /// No network and no status line; fly the scenario's mission (or a standard one) as fast as it goes
@@ -53,6 +54,9 @@ pub struct Options {
     /// What the firmware computes with, if not what the scenario says
     #[arg(long, value_name = "TYPE")]
     scalar: Option<Arithmetic>,
+    /// Fly in another simulator's physics: px4:HOST:PORT (PX4's interface) or json:PORT (ArduPilot's JSON)
+    #[arg(long, value_name = "INTERFACE")]
+    physics: Option<Address>,
     /// Everything random follows from it
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
@@ -220,6 +224,7 @@ pub fn run(options: &Options) -> Result<(), Failure> {
     };
 
     describe(&scenario, options, &params);
+    connect(options, &mut flight)?;
     if let Some(udp) = &udp {
         let homes: Vec<_> = udp.homes().iter().map(ToString::to_string).collect();
         say!(
@@ -236,7 +241,26 @@ pub fn run(options: &Options) -> Result<(), Failure> {
 
     let began = Instant::now();
     simulate(options, &mut flight, udp.as_mut(), &stop);
-    finish(flight, udp.as_ref(), began, &path)
+    let physics = flight.world.environment.physics.as_ref();
+    let failure = physics.and_then(Physics::failure).map(|why| Failure::Run(why.to_owned()));
+    let finished = finish(flight, udp.as_ref(), began, &path);
+    failure.map_or(finished, Err)
+}
+
+/// With the other simulator, if one is asked for.
+fn connect(options: &Options, flight: &mut Flight<BufWriter<File>>) -> Result<(), Failure> {
+    let Some(address) = &options.physics else { return Ok(()) };
+    say!("Physics comes from {address}.");
+    let system = flight.world.vehicle.params().system_id as u8;
+    let environment = &mut flight.world.environment;
+    let physics = Physics::connect(address, system, &environment.plant).map_err(Failure::Run)?;
+    environment.physics = Some(physics);
+    Ok(())
+}
+
+/// The other simulator has failed.
+fn has_failed(flight: &Flight<BufWriter<File>>) -> bool {
+    flight.world.environment.physics.as_ref().is_some_and(|physics| physics.failure().is_some())
 }
 
 fn simulate(
@@ -245,7 +269,9 @@ fn simulate(
     mut udp: Option<&mut Udp>,
     stop: &AtomicBool,
 ) {
-    let factor = options.speedup.unwrap_or(if options.headless { 0.0 } else { 1.0 });
+    // Another simulator sets the pace.
+    let is_paced = !options.headless && options.physics.is_none();
+    let factor = options.speedup.unwrap_or(if is_paced { 1.0 } else { 0.0 });
     let has_mission = *flight.mission.progress() == Progress::Flying;
     let mut status = StatusLine::new();
     let limit = options.duration.unwrap_or(f64::INFINITY);
@@ -255,6 +281,7 @@ fn simulate(
     while !stop.load(Ordering::Relaxed)
         && flight.world.time() < limit
         && !(has_mission && flight.is_over())
+        && !has_failed(flight)
     {
         if let Some(console) = &console {
             console.serve(flight, |line| status.print(line));

@@ -2,6 +2,7 @@
 
 use super::breakage::Breakage;
 use super::capture::MotionCapture;
+use super::physics::{Command, Physics};
 use crate::ground::Winch;
 use crate::plant::{Disturbance, Plant, PlantModel, Push, generator};
 use crate::scenario::{DisturbanceKind, FAULTS, FaultKind, Faults, Scenario, Source};
@@ -31,6 +32,8 @@ pub struct Environment {
     /// The ground end's computer.
     pub winch: Winch,
     capture: Option<MotionCapture>,
+    /// Of another simulator, instead of the plant's.
+    pub physics: Option<Physics>,
     /// From the change of mode until the rod is released, s; and when that change was, s.
     reaction: f64,
     balancing_since: Option<f64>,
@@ -60,6 +63,7 @@ impl Environment {
             capture: has_capture.then(|| {
                 MotionCapture::new(scenario.capture.clone(), params.system_id as u8, seed)
             }),
+            physics: None,
             reaction: scenario.rod.reaction,
             balancing_since: None,
             started_us: 0,
@@ -119,10 +123,25 @@ impl Environment {
         }
         let time = self.clock.now_us() as f64 * 1e-6;
         self.breakage.apply(&mut self.faults, time, &mut self.plant, &mut throttle, &mut winch);
-        self.winch.drive(&mut self.plant, &mut winch);
-        self.plant.step(&throttle, winch);
-        self.winch.release(&mut self.plant);
-        self.clock.advance_to(self.clock.now_us() + STEP_US);
+        let due_us = self.clock.now_us() + STEP_US;
+        match &mut self.physics {
+            None => {
+                self.winch.drive(&mut self.plant, &mut winch);
+                self.plant.step(&throttle, winch);
+                self.winch.release(&mut self.plant);
+            }
+            Some(physics) => {
+                let command = Command { throttle, winch };
+                self.sensors.measured = Some(physics.step(due_us, &command, &mut self.plant));
+            }
+        }
+        self.clock.advance_to(due_us);
+    }
+
+    /// Whether anybody knows where the vehicle really is.
+    #[must_use]
+    pub fn has_truth(&self) -> bool {
+        self.physics.as_ref().is_none_or(Physics::has_truth)
     }
 
     /// Publishes the motion capture's frames that arrive now.

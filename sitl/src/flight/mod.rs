@@ -6,6 +6,7 @@ mod capture;
 mod environment;
 mod mavlink_sender;
 mod mission;
+mod physics;
 mod recorder;
 mod shadow;
 mod world;
@@ -14,6 +15,7 @@ pub use autopilot::Autopilot;
 pub use environment::Environment;
 pub use mavlink_sender::MavlinkSender;
 pub use mission::{MissionRunner, Progress};
+pub use physics::{Address, Physics};
 pub use recorder::Recorder;
 pub use shadow::Shadow;
 pub use world::World;
@@ -112,9 +114,12 @@ impl<W: Write> Flight<W> {
         self.world.environment.faults.reach_step(self.mission.step_number());
         self.mission.act_by_hand(&mut self.world.environment.plant);
         let (out, plant) = (self.world.vehicle.output(), &self.world.environment.plant);
-        self.metrics.step(out, plant, self.mission.is_holding());
+        let has_truth = self.world.environment.has_truth();
+        if has_truth {
+            self.metrics.step(out, plant, self.mission.is_holding());
+        }
         if let Some(recorder) = &mut self.recorder {
-            recorder.write(out, plant);
+            recorder.write(out, has_truth.then_some(plant));
         }
         self.events.extend(out.events.iter().map(|event| (time, *event)));
         out

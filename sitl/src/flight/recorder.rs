@@ -68,13 +68,13 @@ impl<W: Write> Recorder<W> {
         Self { log, attitude, position, tether, shadows, estimators, out, steps: 0, error }
     }
 
-    /// One step and the truth at its end.
-    pub fn write(&mut self, out: &StepOutput, plant: &Plant) {
+    /// One step and the truth at its end, where somebody knows it.
+    pub fn write(&mut self, out: &StepOutput, truth: Option<&Plant>) {
         let (file, error) = (&mut self.out, &mut self.error);
         let mut sink = |bytes: &[u8]| put(file, error, bytes);
-        let truth_is_due = self.log.is_due(MEDIUM);
+        let truth = truth.filter(|_| self.log.is_due(MEDIUM));
         self.log.write(out, &mut sink);
-        if truth_is_due {
+        if let Some(plant) = truth {
             let at = out.now.0;
             self.log.ulog.write(self.attitude, &true_attitude(at, plant), &mut sink);
             self.log.ulog.write(self.position, &true_position(at, plant), &mut sink);

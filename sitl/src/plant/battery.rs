@@ -61,6 +61,11 @@ impl Battery {
         self.voltage
     }
 
+    /// Shows what another battery gives, V and A.
+    pub fn show(&mut self, voltage: f64, current: f64) {
+        (self.voltage, self.current) = (voltage, current);
+    }
+
     /// Draws a power, W, for `dt` s.
     pub fn step(&mut self, model: &BatteryModel, power: f64, dt: f64) {
         let open = model.cells * open_circuit(self.charge);

@@ -158,7 +158,11 @@ impl Altitude {
             return f64::INFINITY;
         }
         let sensor = plant.height_over_ground() - offset * down.z;
-        let slant = sensor / down.z;
+        self.measured_range(model, sensor / down.z, rng)
+    }
+
+    /// m, of a true distance.
+    pub fn measured_range(&mut self, model: &SensorSection, slant: f64, rng: &mut Pcg64Mcg) -> f64 {
         let relative = if slant > 6.0 { 0.003 * slant } else { 0.0 };
         slant + (model.range_noise + relative) * normal(rng)
     }

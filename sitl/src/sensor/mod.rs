@@ -25,7 +25,7 @@ use tautline_runtime::inner_loop::{raw_imu, scale};
 use tautline_runtime::slow::{BAROMETER_MS, SlowDevices};
 
 /// Rangefinder below the centre of mass, as the parameter's default says, m.
-const RANGE_OFFSET: f64 = 0.03;
+pub(crate) const RANGE_OFFSET: f64 = 0.03;
 /// Divider and shunt amplifier of the reference board.
 const VOLTS_PER_VOLT: f64 = 11.0;
 const AMPS_PER_VOLT: f64 = 25.0;
@@ -33,6 +33,17 @@ const AMPS_PER_VOLT: f64 = 25.0;
 const GROUND_EFFECT: f64 = 1.5;
 /// The winch transmits every so many milliseconds.
 const WINCH_MS: u64 = 20;
+
+/// What other physics measures where the plant's truth is not what a device would see.
+#[derive(Clone, Copy, Debug)]
+pub struct Measured {
+    /// By air pressure, m; `None`: the plant's.
+    pub height: Option<f64>,
+    /// To the ground, m; `None`: the rangefinder is silent.
+    pub range: Option<f64>,
+    /// The winch reports this millisecond.
+    pub winch_reports: bool,
+}
 
 /// All devices of the vehicle, and the winch's encoder.
 #[derive(Debug)]
@@ -60,6 +71,8 @@ pub struct SensorSuite {
     winch: Option<RawTether>,
     /// What else the line's sensors say this millisecond.
     line: RawLineSensors,
+    /// Of other physics, this millisecond.
+    pub measured: Option<Measured>,
 }
 
 impl SensorSuite {
@@ -87,6 +100,7 @@ impl SensorSuite {
             arrival: Arrival::Never,
             inertial_fault: InertialFault::new(seed),
             line: RawLineSensors::default(),
+            measured: None,
             clock,
             rng,
             imu,
@@ -144,7 +158,9 @@ impl SensorSuite {
         let transmits = has_winch && !faults.is_active(FaultKind::WinchSilent, time);
         self.winch = None;
         self.line = RawLineSensors::default();
-        if transmits && ms.is_multiple_of(WINCH_MS) {
+        let reports =
+            self.measured.map_or(ms.is_multiple_of(WINCH_MS), |measured| measured.winch_reports);
+        if transmits && reports {
             let extra = self.encoder.error(plant.tether.length(), faults, time);
             let shown = self.station.length(plant, extra, &self.noise, &mut self.rng);
             self.winch = Some(self.encoder.hold(shown, faults, time));
@@ -210,7 +226,8 @@ impl SensorSuite {
             * thrust.clamp(0.0, 1.0);
         let extra = faults.added(FaultKind::BarometerOffset, time) - pressed;
         let random = if noise > 0.0 { noise * normal(&mut self.fault_rng) } else { 0.0 };
-        let height = plant.body.height() + extra + random;
+        let height = self.measured.and_then(|measured| measured.height);
+        let height = height.unwrap_or(plant.body.height()) + extra + random;
         let pressure = self.altitude.pressure(&self.noise, height, dt, &mut self.rng);
         let is_stuck = faults.is_active(FaultKind::BarometerStuck, time);
         let part = self.slow.barometer.bus_mut();
@@ -224,9 +241,14 @@ impl SensorSuite {
     fn expose_range(&mut self, plant: &Plant, faults: &Faults, time: f64) {
         let part = self.slow.range.bus_mut();
         part.is_dead = faults.is_active(FaultKind::RangefinderLost, time)
-            || faults.is_active(FaultKind::AltimeterLost, time);
+            || faults.is_active(FaultKind::AltimeterLost, time)
+            || self.measured.is_some_and(|measured| measured.range.is_none());
         if part.is_due() {
-            let distance = self.altitude.range(&self.noise, plant, RANGE_OFFSET, &mut self.rng);
+            let (noise, rng) = (&self.noise, &mut self.rng);
+            let distance = match self.measured.and_then(|measured| measured.range) {
+                Some(range) => self.altitude.measured_range(noise, range, rng),
+                None => self.altitude.range(noise, plant, RANGE_OFFSET, rng),
+            };
             let noise = faults.added(FaultKind::RangeNoise, time);
             let random = if noise > 0.0 { noise * normal(&mut self.fault_rng) } else { 0.0 };
             let shown = distance + faults.added(FaultKind::RangeOffset, time) + random;

@@ -208,6 +208,13 @@ impl Tether {
         Grip { force: chain.end_force(), mass: chain.end_mass(model.line_density) }
     }
 
+    /// Goes straight along, with a length, m, and a tension, N, once somebody tells them.
+    pub fn follow(&mut self, along: V3, line: Option<(f64, f64)>) {
+        self.chain = None;
+        let (length, tension) = line.unwrap_or((self.link.length, self.link.tension));
+        self.link = Straight { along, tension, half_weight: 0.0, length };
+    }
+
     /// The line catches on something at a `share` of its length from the station, where it is now.
     pub fn catch(&mut self, base: &V3, share: f64) {
         if let Some(chain) = &mut self.chain {
