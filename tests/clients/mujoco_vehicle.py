@@ -76,7 +76,7 @@ def open_circuit(charge):
 
 
 class Vehicle:
-    """One millisecond at a time; everything that it says is NED, FRD and SI."""
+    """One millisecond at a time; everything that leaves it is NED, FRD and SI."""
 
     def __init__(self, path):
         self.model, self.ticks = model(), 0
@@ -193,12 +193,12 @@ class Px4Server:
     def write(self, data):
         self.out += data
 
-    def say(self):
+    def due(self):
         """All that is due; HIL_SENSOR last, since the vehicle steps on it."""
         v, ticks = self.vehicle, self.vehicle.ticks
         us = ticks * 1000
         if ticks % 5 == 0:
-            self.say_truth(us)
+            self.send_truth(us)
         if ticks % 10 == 0:
             centimetres = min(v.range * 100.0, 1200.0)
             down = mav.MAV_SENSOR_ROTATION_PITCH_270
@@ -215,7 +215,7 @@ class Px4Server:
         data, self.out = self.out, bytearray()
         return data
 
-    def say_truth(self, us):
+    def send_truth(self, us):
         v = self.vehicle
         north, east, down = v.position
         latitude = HOME[0] + math.degrees(north / EARTH)
@@ -228,13 +228,13 @@ class Px4Server:
     def run(self):
         peer, _ = self.listener.accept()
         peer.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-        peer.sendall(self.say())
+        peer.sendall(self.due())
         while data := peer.recv(4096):
             for message in self.reader.parse_buffer(data) or []:
                 if message.get_msgId() == mav.MAVLINK_MSG_ID_HIL_ACTUATOR_CONTROLS:
                     controls = message.controls
                     self.vehicle.advance(self.ticks, np.array(controls[:4]), 100.0 * controls[WINCH_CHANNEL])
-                    peer.sendall(self.say())
+                    peer.sendall(self.due())
 
 
 class JsonServer:

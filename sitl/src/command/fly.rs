@@ -281,8 +281,10 @@ fn simulate(
     while !stop.load(Ordering::Relaxed)
         && flight.world.time() < limit
         && !(has_mission && flight.is_over())
-        && !has_failed(flight)
     {
+        if has_failed(flight) {
+            break;
+        }
         if let Some(console) = &console {
             console.serve(flight, |line| status.print(line));
         }

@@ -32,7 +32,7 @@ pub struct Environment {
     /// The ground end's computer.
     pub winch: Winch,
     capture: Option<MotionCapture>,
-    /// Of another simulator, instead of the plant's.
+    /// Another simulator's, instead of the plant's.
     pub physics: Option<Physics>,
     /// From the change of mode until the rod is released, s; and when that change was, s.
     reaction: f64,

@@ -61,7 +61,7 @@ impl Battery {
         self.voltage
     }
 
-    /// Shows what another battery gives, V and A.
+    /// Takes over voltage, V, and current, A, of another simulator's battery.
     pub fn show(&mut self, voltage: f64, current: f64) {
         (self.voltage, self.current) = (voltage, current);
     }

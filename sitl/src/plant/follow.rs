@@ -1,4 +1,4 @@
-//! The plant follows somebody else's physics: what is not told stays its own.
+//! The plant follows another simulator's physics; what that leaves out stays the plant's own.
 
 use super::{DT, Plant, SUBSTEPS, TICK, V3};
 use nalgebra::UnitQuaternion;
@@ -30,8 +30,8 @@ pub struct Follow {
 }
 
 impl Plant {
-    /// One millisecond: moves as it is told. Rotors turn and the battery empties as in [`Plant::step`], for those who
-    /// look at them.
+    /// One millisecond along the other's path. Rotors turn and the battery empties as in [`Plant::step`], for logs,
+    /// faults and the voltage that the vehicle measures.
     pub fn follow(&mut self, throttle: &[f64], other: &Follow) {
         let voltage = self.battery.voltage();
         let share = self.model.rotor.share(DT);

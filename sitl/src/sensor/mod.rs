@@ -34,7 +34,7 @@ const GROUND_EFFECT: f64 = 1.5;
 /// The winch transmits every so many milliseconds.
 const WINCH_MS: u64 = 20;
 
-/// What other physics measures where the plant's truth is not what a device would see.
+/// What another simulator measures, where the plant's truth is not what a device would see.
 #[derive(Clone, Copy, Debug)]
 pub struct Measured {
     /// By air pressure, m; `None`: the plant's.
@@ -71,7 +71,7 @@ pub struct SensorSuite {
     winch: Option<RawTether>,
     /// What else the line's sensors say this millisecond.
     line: RawLineSensors,
-    /// Of other physics, this millisecond.
+    /// By another simulator, this millisecond.
     pub measured: Option<Measured>,
 }
 

@@ -23,7 +23,9 @@ const PULSE_PER_NEWTON: f64 = 10.0;
 const POLL: Duration = Duration::from_millis(100);
 const RESEND: Duration = Duration::from_secs(1);
 const LONGEST: usize = 65_536;
-/// Of a bad line, so much is shown.
+/// Timestamp, s: seconds since 1970 are welcome.
+const LATEST: f64 = 1e10;
+/// Characters shown of a bad line.
 const SHOWN: usize = 60;
 
 #[derive(Debug, Deserialize)]
@@ -67,7 +69,7 @@ fn parse(datagram: &[u8]) -> Result<Frame, String> {
         let shown: String = text.chars().take(SHOWN).flat_map(char::escape_default).collect();
         format!("bad JSON: {e}: {shown}")
     })?;
-    if !(0.0..LARGEST * 1e3).contains(&line.timestamp) {
+    if !(0.0..LATEST).contains(&line.timestamp) {
         return Err(format!("timestamp is {}", line.timestamp));
     }
     let attitude = match (line.quaternion, line.attitude) {

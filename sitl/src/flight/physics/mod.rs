@@ -25,8 +25,8 @@ const START: Duration = Duration::from_secs(30);
 const LONGEST_GAP_US: u64 = 500_000;
 /// Between two reports of the winch, as the plant's own winch sends them, µs.
 const WINCH_US: u64 = 20_000;
-/// Nothing that flies measures more of anything, in SI units.
-const LARGEST: f64 = 1e6;
+/// Nothing on a tether measures more of anything, in SI units.
+const LARGEST: f64 = 1e4;
 /// Channel of the winch's tension, in both interfaces.
 const WINCH_CHANNEL: usize = 15;
 
@@ -48,7 +48,7 @@ struct Winch {
     tension: f64,
 }
 
-/// What another simulator says about one instant.
+/// What another simulator measures at one instant.
 #[derive(Clone, Copy, Debug, Default)]
 struct Frame {
     /// Simulated, from wherever it counts, µs.
@@ -69,12 +69,15 @@ struct Frame {
     truth: Option<Truth>,
 }
 
+fn is_possible(x: f64) -> bool {
+    x.abs() < LARGEST
+}
+
 impl Frame {
     /// # Errors
     /// The first field that no vehicle has.
     fn check(&self) -> Result<(), String> {
-        let check = |name: &str, values: &[f64]| match values.iter().find(|x| !(x.abs() < LARGEST))
-        {
+        let check = |name: &str, values: &[f64]| match values.iter().find(|x| !is_possible(**x)) {
             Some(bad) => Err(format!("{name} is {bad}")),
             None => Ok(()),
         };
@@ -157,7 +160,7 @@ impl Physics {
         self.failure.as_deref()
     }
 
-    /// Whether it says where the vehicle really is.
+    /// Whether the simulator knows where the vehicle really is.
     #[must_use]
     pub fn has_truth(&self) -> bool {
         self.frame.truth.is_some()

@@ -63,7 +63,7 @@ pub(super) struct Px4 {
     unanswered: Option<u64>,
 }
 
-/// What the messages have said so far.
+/// What the messages have reported so far.
 #[derive(Debug, Default)]
 struct State {
     frame: Frame,
@@ -107,12 +107,12 @@ impl Px4 {
             state: State { start, ..State::default() },
             unanswered: None,
         };
-        px4.greet()?;
+        px4.introduce()?;
         Ok(px4)
     }
 
-    /// Says who is there and asks for the truth, as PX4 does.
-    fn greet(&mut self) -> Result<(), String> {
+    /// Identifies itself and asks for the truth, as PX4 does.
+    fn introduce(&mut self) -> Result<(), String> {
         self.send(&HEARTBEAT_DATA {
             mavtype: MavType::MAV_TYPE_QUADROTOR,
             autopilot: MavAutopilot::MAV_AUTOPILOT_PX4,

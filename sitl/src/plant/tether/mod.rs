@@ -208,7 +208,7 @@ impl Tether {
         Grip { force: chain.end_force(), mass: chain.end_mass(model.line_density) }
     }
 
-    /// Goes straight along, with a length, m, and a tension, N, once somebody tells them.
+    /// Lies straight, with the length, m, and the tension, N, that another simulator reported last.
     pub fn follow(&mut self, along: V3, line: Option<(f64, f64)>) {
         self.chain = None;
         let (length, tension) = line.unwrap_or((self.link.length, self.link.tension));
