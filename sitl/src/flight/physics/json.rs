@@ -108,6 +108,11 @@ fn packet(count: u32, command: &Command) -> Vec<u8> {
     head.into_iter().chain(count.to_le_bytes()).chain(body).collect()
 }
 
+/// Nothing yet, or Ctrl-C: the flight ends after this frame.
+fn is_passing(kind: ErrorKind) -> bool {
+    matches!(kind, ErrorKind::WouldBlock | ErrorKind::TimedOut | ErrorKind::Interrupted)
+}
+
 /// The connection.
 #[derive(Debug)]
 pub(super) struct Json {
@@ -160,7 +165,7 @@ impl Json {
                     std::thread::sleep(POLL);
                     sent = None;
                 }
-                Err(e) if matches!(e.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut) => {}
+                Err(e) if is_passing(e.kind()) => {}
                 Err(e) => return Err(e.to_string()),
             }
             if began.elapsed() > patience {
