@@ -100,9 +100,8 @@ class Vehicle:
 
     def step(self, throttle, winch):
         data = self.data
-        self.speed += (self.voltage / NOMINAL_VOLTAGE * SPEED_MAX * np.clip(throttle, 0.0, 1.0) ** CURVE - self.speed) * (
-            1.0 - math.exp(-TICK / ROTOR_LAG)
-        )
+        top = SPEED_MAX * self.voltage / NOMINAL_VOLTAGE
+        self.speed += (top * np.clip(throttle, 0.0, 1.0) ** CURVE - self.speed) * (1.0 - math.exp(-TICK / ROTOR_LAG))
         thrust = THRUST * self.speed**2
         self.drain(float(np.sum(thrust * TORQUE_RATIO * self.speed)) / EFFICIENCY + BASE_POWER)
         data.ctrl[:4] = thrust
