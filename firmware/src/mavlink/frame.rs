@@ -26,6 +26,31 @@ pub struct Frame<'a> {
     pub component: u8,
     /// As sent: version 2 cuts trailing zeros.
     pub payload: &'a [u8],
+    /// Behind it, if it is signed.
+    pub signature: Option<Signature<'a>>,
+}
+
+/// Who says that it comes from them; nobody has looked yet.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Signature<'a> {
+    /// What is signed: the frame, the link and the time.
+    pub covered: &'a [u8],
+    /// Link, as the sender counts its own.
+    pub link: u8,
+    /// Tens of µs since 2015.
+    pub timestamp: u64,
+    /// The first bytes of the hash.
+    pub mac: [u8; 6],
+}
+
+impl<'a> Signature<'a> {
+    /// Of a whole signed frame.
+    fn of(frame: &'a [u8]) -> Option<Self> {
+        let (covered, mac) = frame.split_last_chunk::<6>()?;
+        let [.., link, a, b, c, d, e, f] = *covered else { return None };
+        let timestamp = u64::from_le_bytes([a, b, c, d, e, f, 0, 0]);
+        Some(Self { covered, link, timestamp, mac: *mac })
+    }
 }
 
 impl Frame<'_> {
@@ -166,7 +191,8 @@ fn scan(bytes: &[u8]) -> Scan<'_> {
                 return Scan::More(total);
             };
             let id = u32::from_le_bytes([*a, *b, *c, 0]);
-            let frame = Frame { id, system: *system, component: *component, payload };
+            let signature = None;
+            let frame = Frame { id, system: *system, component: *component, payload, signature };
             whole(bytes, frame, end, total)
         }
         [MAV_STX, length, ..] => {
@@ -175,7 +201,8 @@ fn scan(bytes: &[u8]) -> Scan<'_> {
                 return Scan::More(end + 2);
             };
             let id = u32::from(*id);
-            let frame = Frame { id, system: *system, component: *component, payload };
+            let signature = None;
+            let frame = Frame { id, system: *system, component: *component, payload, signature };
             whole(bytes, frame, end, end + 2)
         }
         [MAV_STX_V2, ..] => Scan::More(3),
@@ -190,7 +217,9 @@ fn whole<'a>(bytes: &'a [u8], frame: Frame<'a>, end: usize, total: usize) -> Sca
         return Scan::More(total);
     };
     if checksum(covered, MavMessage::extra_crc(frame.id)) == u16::from_le_bytes([*low, *high]) {
-        Scan::Yes(frame, total)
+        let is_signed = total > end + 2;
+        let signature = bytes.get(..total).filter(|_| is_signed).and_then(Signature::of);
+        Scan::Yes(Frame { signature, ..frame }, total)
     } else {
         Scan::No { is_frame: true }
     }
@@ -204,9 +233,9 @@ pub struct Header {
     pub component: u8,
 }
 
-/// Makes a version 2 frame in `out`; `None` if it does not fit.
+/// Makes a version 2 frame in `out`; `None` if it does not fit. One that is to be signed says so.
 pub fn encode<'a>(
-    header: Header,
+    (header, is_signed): (Header, bool),
     id: u32,
     extra_crc: u8,
     payload: &[u8],
@@ -214,8 +243,9 @@ pub fn encode<'a>(
 ) -> Option<&'a [u8]> {
     let [a, b, c, _] = id.to_le_bytes();
     let length = u8::try_from(payload.len()).ok()?;
+    let flags = if is_signed { SIGNED } else { 0 };
     let head =
-        [MAV_STX_V2, length, 0, 0, header.sequence, header.system, header.component, a, b, c];
+        [MAV_STX_V2, length, flags, 0, header.sequence, header.system, header.component, a, b, c];
     let end = head.len() + payload.len();
     for (to, from) in out.iter_mut().zip(head.iter().chain(payload)) {
         *to = *from;
@@ -233,7 +263,7 @@ mod tests {
     fn heartbeat(sequence: u8) -> Vec<u8> {
         let mut out = [0; MAX_FRAME];
         let header = Header { sequence, system: 255, component: 190 };
-        encode(header, 0, 50, &[0, 0, 0, 0, 6, 8, 0, 4, 3], &mut out).unwrap().to_vec()
+        encode((header, false), 0, 50, &[0, 0, 0, 0, 6, 8, 0, 4, 3], &mut out).unwrap().to_vec()
     }
 
     #[test]

@@ -18,10 +18,12 @@ mod params;
 mod receive;
 mod schedule;
 mod services;
+mod signing;
 mod telemetry;
 
 pub use checksum::crc32;
-pub use frame::{Frame, Losses, MAX_FRAME, Parser};
+pub use frame::{Frame, Losses, MAX_FRAME, Parser, Signature};
+pub use signing::{KEY, Sender, Signing};
 
 use crate::param::Params;
 use crate::sense::RawSensors;
@@ -72,6 +74,8 @@ pub struct ConnectionCounters {
     pub bad_frames: u32,
     /// Valid frames whose content makes no sense (NaN set-points, unknown names or enum values).
     pub refused: u32,
+    /// Frames that only the holder of the key may send, and that were not signed, or wrongly, or heard before.
+    pub unsigned: u32,
     /// Requests that found the queue full.
     pub overflowed: u32,
     /// Frames sent.
@@ -88,6 +92,7 @@ impl ConnectionCounters {
             garbage_bytes: self.garbage_bytes.wrapping_add(other.garbage_bytes),
             bad_frames: self.bad_frames.wrapping_add(other.bad_frames),
             refused: self.refused.wrapping_add(other.refused),
+            unsigned: self.unsigned.wrapping_add(other.unsigned),
             overflowed: self.overflowed.wrapping_add(other.overflowed),
             sent: self.sent.wrapping_add(other.sent),
         }
@@ -99,6 +104,15 @@ impl ConnectionCounters {
 pub struct Connection {
     parser: Parser,
     session: Session,
+}
+
+/// A message that somebody asked for, with its argument.
+#[derive(Clone, Copy, Debug)]
+struct Wanted {
+    id: u32,
+    argument: u16,
+    /// For the acknowledgement, if one is due.
+    ticket: Option<Ticket>,
 }
 
 /// A connection but for the frames that come in, which borrow the parser while they are handled.
@@ -114,7 +128,8 @@ struct Session {
     is_served: bool,
     metadata_crc: Option<u32>,
     identity: Identity,
-    budget: Option<Budget>,
+    budget: Budget,
+    signing: Option<Signing>,
     calibration: Calibration,
     /// When a set-point was last told to be wrong.
     told_at: Option<Micros>,
@@ -130,8 +145,8 @@ struct Session {
     listing: Option<u16>,
     /// Single parameters to tell.
     echoes: Deque<u16, 16>,
-    /// Messages asked for once, with their second argument.
-    once: Deque<(u32, u16), 16>,
+    /// Messages asked for once.
+    once: Deque<Wanted, 16>,
 }
 
 impl Connection {
@@ -159,11 +174,16 @@ impl Connection {
         self.session.identity = identity;
     }
 
-    /// A link of so many bytes a second: lower rates from the start, and no more than it carries.
+    /// With a key the connection believes only who holds it, and signs what it says; others may look. Several
+    /// connections of one vehicle share it: each has it while it listens or speaks.
+    pub fn signing_mut(&mut self) -> &mut Option<Signing> {
+        &mut self.session.signing
+    }
+
+    /// A link that carries no more than a line of 57,600 baud, whatever rates are asked for.
     #[must_use]
-    pub fn narrow(mut self, bytes_per_second: u32) -> Self {
-        self.session.streams = Streams::narrow();
-        self.session.budget = Some(Budget::new(bytes_per_second));
+    pub fn narrow(mut self) -> Self {
+        self.session.budget.fix();
         self
     }
 
@@ -240,7 +260,8 @@ impl Default for Session {
             is_served: false,
             metadata_crc: None,
             identity: Identity::default(),
-            budget: None,
+            budget: Budget::default(),
+            signing: None,
             calibration: Calibration::default(),
             told_at: None,
             counters: ConnectionCounters::default(),
@@ -275,25 +296,29 @@ impl Session {
         }
         self.report_calibration(out, sink);
         self.send_echoes(params, sink);
-        if let Some(budget) = &mut self.budget {
-            budget.refill(out.now);
+        self.budget.refill(out.now);
+        if let Some(signing) = &mut self.signing {
+            signing.tick(out.now);
         }
-        if self.has_budget() {
+        if self.budget.has_room() {
             self.send_list(out.now, params, sink);
         }
-        while let Some((id, argument)) = self.once.pop_front() {
-            self.send_message(id, &Outgoing { out, params, argument }, sink);
+        while let Some(wanted) = self.once.pop_front() {
+            self.send_wanted(&wanted, out, params, sink);
         }
-        while self.has_budget()
+        // Acknowledgements and texts always go; the rest waits for its share of the link, and behind a list.
+        while self.has_turn(out.now)
             && let Some(id) = self.streams.next_due(out.now)
         {
             self.send_message(id, &Outgoing { out, params, argument: 0 }, sink);
         }
     }
 
-    /// Acknowledgements and texts always go; the rest waits for its share of a narrow link.
-    fn has_budget(&self) -> bool {
-        self.budget.as_ref().is_none_or(Budget::has_room)
+    /// Whether what goes out by itself may go now. A list of parameters on a narrow link is soon over.
+    fn has_turn(&self, now: Micros) -> bool {
+        const TURN_MS: u64 = 16;
+        let waits = self.listing.is_some() && !self.budget.is_wide();
+        self.budget.has_room() && (!waits || (now.0 / 1000).is_multiple_of(TURN_MS))
     }
 
     /// For the vehicle; nobody waits for an acknowledgement.
@@ -331,12 +356,16 @@ impl Session {
             system: self.system,
             component: COMPONENT_AUTOPILOT,
         };
-        if let Some(frame) = frame::encode(header, id, extra_crc, payload, &mut bytes) {
+        let to = (header, self.signing.is_some());
+        let length = frame::encode(to, id, extra_crc, payload, &mut bytes).map(<[u8]>::len);
+        let length = length.map(|length| match &mut self.signing {
+            Some(signing) => signing.sign(self.link, &mut bytes, length),
+            None => length,
+        });
+        if let Some(frame) = length.and_then(|length| bytes.get(..length)) {
             self.sequence = self.sequence.wrapping_add(1);
             self.counters.sent = self.counters.sent.wrapping_add(1);
-            if let Some(budget) = &mut self.budget {
-                budget.spend(frame.len());
-            }
+            self.budget.spend(frame.len());
             sink(frame);
         }
     }

@@ -5,6 +5,7 @@
 
 use super::frame::Frame;
 use super::params::name_bytes;
+use super::signing::only_reads;
 use super::{COMPONENT_AUTOPILOT, Session, Sink, global};
 use crate::param::Params;
 use crate::signal::{Action, Setpoint, Severity, Sticks};
@@ -39,6 +40,7 @@ impl Session {
         if is_own || frame.system == 0 {
             return;
         }
+        let is_admitted = self.is_admitted(frame);
         if let Some((system, component)) = target(frame) {
             let for_us = (system == 0 || system == self.system)
                 && (component == 0 || component == COMPONENT_AUTOPILOT);
@@ -48,6 +50,12 @@ impl Session {
             }
         }
         self.counters.received = self.counters.received.wrapping_add(1);
+        if !is_admitted {
+            if matches!(frame.id, mav::COMMAND_LONG_DATA::ID | mav::COMMAND_INT_DATA::ID) {
+                self.refuse_unsigned(frame, sink);
+            }
+            return;
+        }
         match frame.id {
             mav::HEARTBEAT_DATA::ID => {
                 if frame.byte(4) == GCS && self.has_command(frame) {
@@ -111,6 +119,19 @@ impl Session {
             }),
             _ => self.serve(frame, sink),
         }
+    }
+
+    /// With a key, whether this one holds it, or only looks.
+    fn is_admitted(&mut self, frame: &Frame) -> bool {
+        let Some(signing) = &mut self.signing else { return true };
+        if signing.believes(frame) || only_reads(frame) {
+            return true;
+        }
+        // Everybody beats; who does not hold the key is not heard.
+        if frame.id != mav::HEARTBEAT_DATA::ID {
+            self.counters.unsigned = self.counters.unsigned.wrapping_add(1);
+        }
+        false
     }
 
     pub(super) fn ignore(&mut self) {

@@ -9,11 +9,6 @@ use mavlink::dialects::common::HEARTBEAT_DATA;
 /// Shortest interval, µs: the outer loop's period.
 const FASTEST_US: u32 = 4_000;
 
-/// Which column of [`MESSAGES`] is the default.
-type Profile = fn([u32; 2]) -> u32;
-const WIDE: Profile = |[wide, _]| wide;
-const NARROW: Profile = |[_, narrow]| narrow;
-
 /// One stream, as it is now.
 #[derive(Clone, Copy, Debug)]
 struct Stream {
@@ -25,31 +20,21 @@ struct Stream {
 #[derive(Clone, Copy, Debug)]
 pub struct Streams {
     rows: [Stream; MESSAGES.len()],
-    profile: Profile,
     /// Nothing is due earlier.
     wake: Micros,
 }
 
 impl Default for Streams {
     fn default() -> Self {
-        Self::start(WIDE)
+        let start = |message: &Message| Stream {
+            interval_us: message.interval_us.unwrap_or(0),
+            due: Micros(0),
+        };
+        Self { rows: MESSAGES.each_ref().map(start), wake: Micros(0) }
     }
 }
 
 impl Streams {
-    /// At the rates of a link that carries little.
-    pub fn narrow() -> Self {
-        Self::start(NARROW)
-    }
-
-    fn start(profile: Profile) -> Self {
-        let start = |message: &Message| Stream {
-            interval_us: message.interval_us.map_or(0, profile),
-            due: Micros(0),
-        };
-        Self { rows: MESSAGES.each_ref().map(start), profile, wake: Micros(0) }
-    }
-
     /// A message that is due; call until `None`.
     pub fn next_due(&mut self, now: Micros) -> Option<u32> {
         if now < self.wake {
@@ -83,7 +68,7 @@ impl Streams {
         stream.interval_us = if interval_us < 0.0 {
             0
         } else if interval_us < 1.0 {
-            (self.profile)(default)
+            default
         } else {
             (interval_us as u32).max(FASTEST_US)
         };

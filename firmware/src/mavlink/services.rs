@@ -6,7 +6,7 @@
 #![allow(deprecated)]
 
 use super::frame::Frame;
-use super::{Session, Sink};
+use super::{Session, Sink, Wanted};
 use crate::signal::Severity;
 use mavlink::MessageData;
 use mavlink::dialects::common as mav;
@@ -81,8 +81,11 @@ impl Session {
             }
             mav::SET_HOME_POSITION_DATA::ID | mav::SET_GPS_GLOBAL_ORIGIN_DATA::ID => {
                 let anchor = mav::GPS_GLOBAL_ORIGIN_DATA::ID;
-                let _ = self.once.push_back((anchor, 0));
+                let _ = self.once.push_back(Wanted { id: anchor, argument: 0, ticket: None });
                 self.say(Severity::Warning, "Home is the anchor: set HOME_LAT, _LON, _ALT", sink);
+            }
+            mav::PLAY_TUNE_DATA::ID | mav::PLAY_TUNE_V2_DATA::ID => {
+                self.say(Severity::Warning, "Refused: nothing here plays a tune", sink);
             }
             mav::PARAM_MAP_RC_DATA::ID => {
                 self.say(Severity::Warning, "Refused: no parameter follows a stick", sink);

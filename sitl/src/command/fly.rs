@@ -2,14 +2,13 @@
 
 use super::Failure;
 use super::console::Console;
+use super::network::{Network, NetworkOptions};
 use super::status::StatusLine;
 use crate::flight::{Address, Autopilot, Flight, Physics, Progress, Shadow};
-use crate::ground::{Files, Udp};
 use crate::scenario::{Arithmetic, Scenario, Step, TetherKind, params_file, set_param};
 use clap::Args;
 use std::fs::{self, File};
 use std::io::BufWriter;
-use std::net::IpAddr;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -36,12 +35,8 @@ pub struct Options {
     /// Anchor's latitude, longitude, altitude and the nose's heading, degrees and m
     #[arg(long, value_name = "LAT,LNG,ALT,YAW", value_parser = home, allow_hyphen_values = true)]
     home: Option<Home>,
-    /// Instance: shifts the UDP ports and the MAVLink system id
-    #[arg(long, value_name = "I", default_value_t = 0, value_parser = clap::value_parser!(u16).range(0..=99))]
-    instance: u16,
-    /// Address of this machine at which strangers may speak to the vehicle; 0.0.0.0 = any
-    #[arg(long, value_name = "ADDR", default_value = "127.0.0.1")]
-    bind: IpAddr,
+    #[command(flatten)]
+    network: NetworkOptions,
     /// Set a parameter (repeatable)
     #[arg(long, value_name = "NAME=VALUE", value_parser = assignment)]
     param: Vec<(String, f32)>,
@@ -130,7 +125,7 @@ fn parameters(options: &Options, scenario: &Scenario) -> Result<Params, Failure>
         set(&mut params, "HOME_LON", home.longitude)?;
         set(&mut params, "HOME_ALT", home.altitude)?;
     }
-    set(&mut params, "MAV_SYS_ID", f32::from(options.instance + 1))?;
+    set(&mut params, "MAV_SYS_ID", f32::from(options.network.instance + 1))?;
     // A ground station's heartbeats come in real time: the silence that counts as loss grows with the
     // speed-up (PX4's SITL does the same).
     if let Some(factor) = options.speedup.filter(|&factor| factor > 1.0) {
@@ -215,18 +210,14 @@ pub fn run(options: &Options) -> Result<(), Failure> {
     let log = BufWriter::with_capacity(1 << 16, file);
     let mut flight = Flight::beside(&scenario, params, options.seed, log, &options.beside)
         .map_err(|e| Failure::Run(e.0))?;
-    let mut udp = if options.headless {
-        None
-    } else {
-        let links = &mut flight.world.links;
-        links.files = Files::with_logs(&options.log_dir);
-        Some(Udp::bind(options.instance, options.bind, links).map_err(Failure::Usage)?)
-    };
+    let links = &mut flight.world.links;
+    let open = || Network::open(&options.network, &options.log_dir, links);
+    let mut network = (!options.headless).then(open).transpose()?;
 
     describe(&scenario, options, &params);
     connect(options, &mut flight)?;
-    if let Some(udp) = &udp {
-        let homes: Vec<_> = udp.homes().iter().map(ToString::to_string).collect();
+    if let Some(network) = &network {
+        let homes: Vec<_> = network.homes().iter().map(ToString::to_string).collect();
         say!(
             "MAVLink over UDP to {} (ground stations, then programs), system {}.",
             homes.join(" and "),
@@ -240,10 +231,10 @@ pub fn run(options: &Options) -> Result<(), Failure> {
     let _ = ctrlc::set_handler(move || flag.store(true, Ordering::Relaxed));
 
     let began = Instant::now();
-    simulate(options, &mut flight, udp.as_mut(), &stop);
+    simulate(options, &mut flight, network.as_mut(), &stop)?;
     let physics = flight.world.environment.physics.as_ref();
     let failure = physics.and_then(Physics::failure).map(|why| Failure::Run(why.to_owned()));
-    let finished = finish(flight, udp.as_ref(), began, &path);
+    let finished = finish(flight, network, began, &path);
     failure.map_or(finished, Err)
 }
 
@@ -266,9 +257,9 @@ fn has_failed(flight: &Flight<BufWriter<File>>) -> bool {
 fn simulate(
     options: &Options,
     flight: &mut Flight<BufWriter<File>>,
-    mut udp: Option<&mut Udp>,
+    mut network: Option<&mut Network>,
     stop: &AtomicBool,
-) {
+) -> Result<(), Failure> {
     // Another simulator sets the pace.
     let is_paced = !options.headless && options.physics.is_none();
     let factor = options.speedup.unwrap_or(if is_paced { 1.0 } else { 0.0 });
@@ -288,14 +279,14 @@ fn simulate(
         if let Some(console) = &console {
             console.serve(flight, |line| status.print(line));
         }
-        if let Some(udp) = udp.as_deref_mut() {
-            udp.receive(&mut flight.world.links);
+        if let Some(network) = network.as_deref_mut() {
+            network.receive(&mut flight.world.links);
         }
         for _ in 0..CHUNK_MS {
             flight.step(&mut |_| {});
         }
-        if let Some(udp) = udp.as_deref_mut() {
-            udp.send(&mut flight.world.links);
+        if let Some(network) = network.as_deref_mut() {
+            network.send(&mut flight.world.links)?;
         }
         for (time, event) in flight.events.iter().skip(printed) {
             status.print(&format!("{time:7.1} s  {event}"));
@@ -312,11 +303,12 @@ fn simulate(
         }
     }
     status.close();
+    Ok(())
 }
 
 fn finish(
     mut flight: Flight<BufWriter<File>>,
-    udp: Option<&Udp>,
+    network: Option<Network>,
     began: Instant,
     path: &Path,
 ) -> Result<(), Failure> {
@@ -333,8 +325,9 @@ fn finish(
         counters.refused,
         counters.overflowed,
     );
-    if let Some(udp) = udp.filter(|udp| udp.send_errors > 0) {
-        say!("{} datagrams could not be sent.", udp.send_errors);
+    let unsent = network.map_or(Ok(0), |network| network.close(&world.links))?;
+    if unsent > 0 {
+        say!("{unsent} datagrams could not be sent.");
     }
     if let Autopilot::Q16(_) = flight.world.vehicle {
         say!("Fixed point: {} operations saturated.", saturation::count());

@@ -13,6 +13,7 @@ mod console;
 mod emulate;
 mod experiment;
 mod fly;
+mod network;
 mod plot;
 mod scenario;
 mod speed;

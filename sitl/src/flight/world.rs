@@ -74,54 +74,80 @@ impl World {
 
     /// Hands the vehicle a datagram of the simulator's own operator, unless the link is cut.
     pub fn receive(&mut self, datagram: &[u8], send: &mut dyn FnMut(&[u8])) {
-        let answers = self.receive_by(OWN, datagram);
-        answers.iter().for_each(|frame| send(frame));
-    }
-
-    /// By one link. A failure that it injects is for the simulator. What is answered at once.
-    fn receive_by(&mut self, link: u8, datagram: &[u8]) -> Vec<Vec<u8>> {
-        let mut answers = Vec::new();
-        let time = self.environment.now().0 as f64 * 1e-6;
-        let faults = &mut self.environment.faults;
-        self.injection.take(datagram, time, faults, &mut |frame| answers.push(frame.to_vec()));
-        let Environment { winch, plant, .. } = &mut self.environment;
-        winch.take(datagram, plant, &mut |frame| answers.push(frame.to_vec()));
-        let faults = &self.environment.faults;
-        if self.uplink.passes(faults, time, link, datagram) {
-            self.hand_on(link, datagram, &mut |frame| answers.push(frame.to_vec()));
+        if self.passes(OWN, datagram) {
+            self.hear_own(datagram, send);
         }
-        answers
     }
 
-    fn hand_on(&mut self, link: u8, datagram: &[u8], send: &mut dyn FnMut(&[u8])) {
+    /// Whether a datagram arrives at once.
+    fn passes(&mut self, link: u8, datagram: &[u8]) -> bool {
+        let time = self.environment.now().0 as f64 * 1e-6;
+        self.uplink.passes(&self.environment.faults, time, link, datagram)
+    }
+
+    /// The simulator's own operator holds every key.
+    fn hear_own(&mut self, datagram: &[u8], send: &mut dyn FnMut(&[u8])) {
         let (now, params) = (self.environment.now(), self.vehicle.params());
-        let faults = self.environment.active_faults();
-        let (files, out) = (self.links.files.clone(), self.vehicle.output());
-        let host = Host { files: &files, params, out, faults: &faults };
-        let mut peer = self.links.peer(link);
-        let own = &mut self.connection;
-        self.environment.deliver(Source::Ground, datagram, &mut |datagram| match &mut peer {
-            Some(peer) => {
-                peer.serve(datagram, &host);
-                peer.connection.receive_datagram(now, datagram, params, send);
-            }
-            None if link == OWN => own.receive_datagram(now, datagram, params, send),
-            // Gone since it was sent.
-            None => {}
+        let connection = &mut self.connection;
+        self.environment.deliver(Source::Ground, datagram, &mut |datagram| {
+            connection.receive_datagram(now, datagram, params, send);
         });
+        self.reach_simulator(datagram, send);
+    }
+
+    /// A datagram of somebody outside; what is not for the firmware is for the simulator.
+    fn hear_peer(&mut self, link: u8, datagram: &[u8]) {
+        let faults = self.environment.active_faults();
+        let (files, now) = (self.links.files.clone(), self.environment.now());
+        let (params, out) = (self.vehicle.params(), self.vehicle.output());
+        let host = Host { files: &files, params, out, faults: &faults };
+        let mut signing = self.links.signing.take();
+        let mut is_admitted = false;
+        // Whoever is gone since it was sent has nobody to answer.
+        if let Some(peer) = self.links.peer(link) {
+            self.environment.deliver(Source::Ground, datagram, &mut |datagram| {
+                is_admitted = peer.receive((now, datagram), params, &mut signing);
+                if is_admitted {
+                    peer.serve(datagram, &host);
+                }
+            });
+        }
+        self.links.signing = signing;
+        if is_admitted {
+            let mut answers = Vec::new();
+            self.reach_simulator(datagram, &mut |frame| answers.push(frame.to_vec()));
+            if let Some(peer) = self.links.peer(link) {
+                answers.iter().for_each(|frame| peer.write(frame));
+            }
+        }
+    }
+
+    /// Failures to inject, and the winch.
+    fn reach_simulator(&mut self, datagram: &[u8], send: &mut dyn FnMut(&[u8])) {
+        let time = self.environment.now().0 as f64 * 1e-6;
+        let Environment { winch, plant, faults, .. } = &mut self.environment;
+        self.injection.take(datagram, time, faults, send);
+        winch.take(datagram, plant, send);
     }
 
     /// What everybody outside has sent.
-    fn hear(&mut self) {
+    fn hear(&mut self, send: &mut dyn FnMut(&[u8])) {
+        let time = self.environment.now().0 as f64 * 1e-6;
+        while let Some((link, datagram)) = self.uplink.arrived(time) {
+            if link == OWN {
+                self.hear_own(&datagram, send);
+            } else {
+                self.hear_peer(link, &datagram);
+            }
+        }
         let waiting: Vec<_> = self
             .links
             .iter_mut()
             .filter_map(|peer| peer.read().map(|datagram| (peer.link, datagram)))
             .collect();
         for (link, datagram) in waiting {
-            let answers = self.receive_by(link, &datagram);
-            if let Some(peer) = self.links.peer(link) {
-                answers.iter().for_each(|frame| peer.write(frame));
+            if self.passes(link, &datagram) {
+                self.hear_peer(link, &datagram);
             }
         }
     }
@@ -156,16 +182,7 @@ impl World {
 
     /// One millisecond.
     pub fn step(&mut self, send: &mut dyn FnMut(&[u8])) -> &StepOutput {
-        let time = self.environment.now().0 as f64 * 1e-6;
-        while let Some((link, datagram)) = self.uplink.arrived(time) {
-            let mut answers = Vec::new();
-            self.hand_on(link, &datagram, &mut |frame| answers.push(frame.to_vec()));
-            match self.links.peer(link) {
-                Some(peer) => answers.iter().for_each(|frame| peer.write(frame)),
-                None => answers.iter().for_each(|frame| send(frame)),
-            }
-        }
-        self.hear();
+        self.hear(send);
         let winch = f64::from(self.vehicle.winch_tension());
         self.environment.advance(self.motors.channels_mut(), winch);
         let (now, params) = (self.environment.now(), self.vehicle.params());
@@ -196,10 +213,12 @@ impl World {
                 self.links.iter_mut().for_each(|peer| peer.write(frame));
             });
         }
+        let mut signing = self.links.signing.take();
         for peer in self.links.iter_mut() {
-            peer.transmit(out, params);
+            peer.transmit(out, params, &mut signing);
             peer.transfer(&host);
         }
+        self.links.signing = signing;
         if reboots(out) {
             self.reboot();
         }

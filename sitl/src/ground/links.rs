@@ -2,10 +2,12 @@
 
 use super::services::{Files, Host, Services, general_crc};
 use std::collections::VecDeque;
+use std::mem::swap;
 use std::net::SocketAddr;
 use std::time::{Duration, Instant};
-use tautline_firmware::mavlink::{Connection, ConnectionCounters};
+use tautline_firmware::mavlink::{Connection, ConnectionCounters, Signing};
 use tautline_firmware::param::Params;
+use tautline_firmware::time::Micros;
 use tautline_firmware::vehicle::StepOutput;
 
 /// Most peers at a time; with so many there is no room for a stranger.
@@ -42,6 +44,8 @@ pub struct Links {
     peers: Vec<Peer>,
     /// What they may read.
     pub files: Files,
+    /// The key that they share, if there is one.
+    pub signing: Option<Signing>,
     /// Datagrams dropped: of too many peers, or too many of one.
     pub dropped: u64,
 }
@@ -150,6 +154,25 @@ fn connection(link: u8) -> Connection {
 }
 
 impl Peer {
+    /// Hands a datagram to the vehicle's side; false if it holds what only the holder of the key may say.
+    pub fn receive(
+        &mut self,
+        (now, datagram): (Micros, &[u8]),
+        params: &Params,
+        signing: &mut Option<Signing>,
+    ) -> bool {
+        let connection = &mut self.connection;
+        let before = connection.counters().unsigned;
+        let mut frames = Vec::new();
+        swap(signing, connection.signing_mut());
+        connection
+            .receive_datagram(now, datagram, params, &mut |frame| frames.push(frame.to_vec()));
+        swap(signing, connection.signing_mut());
+        let is_admitted = connection.counters().unsigned == before;
+        frames.iter().for_each(|frame| self.write(frame));
+        is_admitted
+    }
+
     /// Serves what a datagram asks of the vehicle's computer.
     pub fn serve(&mut self, datagram: &[u8], host: &Host) {
         let outbox = &mut self.outbox;
@@ -163,9 +186,11 @@ impl Peer {
     }
 
     /// What the vehicle's step has to say to it.
-    pub fn transmit(&mut self, out: &StepOutput, params: &Params) {
+    pub fn transmit(&mut self, out: &StepOutput, params: &Params, signing: &mut Option<Signing>) {
         let mut frames = Vec::new();
+        swap(signing, self.connection.signing_mut());
         self.connection.transmit(out, params, &mut |frame| frames.push(frame.to_vec()));
+        swap(signing, self.connection.signing_mut());
         frames.iter().for_each(|frame| self.write(frame));
     }
 

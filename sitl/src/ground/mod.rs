@@ -2,6 +2,7 @@
 //! companion computer can serve.
 
 mod injection;
+mod keys;
 mod links;
 mod services;
 mod udp;
@@ -9,6 +10,7 @@ mod uplink;
 mod winch;
 
 pub use injection::Injection;
+pub use keys::Keys;
 pub use links::{Links, Peer};
 pub use services::{Files, Host};
 pub use udp::Udp;

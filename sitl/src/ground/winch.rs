@@ -37,7 +37,7 @@ const STANDING: f64 = 0.02;
 /// Of a frame, before its payload, bytes.
 const HEAD: usize = 10;
 const HEARTBEAT_US: u64 = 1_000_000;
-const STATUS_US: u64 = 200_000;
+const STATUS_US: u64 = 500_000;
 
 /// What it does.
 #[derive(Clone, Copy, Debug, PartialEq)]

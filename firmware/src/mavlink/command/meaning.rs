@@ -150,6 +150,9 @@ impl Command {
                 None => Meaning::denied("Command refused: parameter 1 is 0 or 1"),
             },
             // Ours, MAV_CMD_USER_1: elevation, azimuth (degrees), length (m), tension (N); NaN keeps.
+            31010..=31012 if self.p.iter().any(|x| x.is_infinite()) => {
+                Meaning::denied("Move refused: not a number")
+            }
             31010 => Meaning::Do(Action::MoveTether {
                 elevation: given(p1).map(f32::to_radians),
                 azimuth: given(p2).map(f32::to_radians),

@@ -10,10 +10,12 @@ mod place;
 pub(super) use calibration::Calibration;
 
 use super::frame::Frame;
-use super::{Session, Sink};
+use super::telemetry::Outgoing;
+use super::{Session, Sink, Wanted};
 use crate::param::Params;
 use crate::signal::{Action, Outcome, Reply, Request, Severity, Ticket};
 use crate::supervisor::Mode;
+use crate::vehicle::StepOutput;
 use mavlink::MessageData;
 use mavlink::dialects::common as mav;
 use meaning::{Command, Meaning};
@@ -64,11 +66,21 @@ impl Session {
                 }
             },
             Meaning::Message { id, .. } if !super::telemetry::is_known(id) => Answer::Unsupported,
-            Meaning::Message { id, argument } => match self.once.push_back((id, argument)) {
-                Ok(()) => Answer::Accepted,
-                Err(_) => Answer::TemporarilyRejected,
-            },
-            Meaning::Interval { id, interval_us } => self.streams.set_interval(id, interval_us),
+            // Acknowledged when it is seen whether there is anything to say.
+            Meaning::Message { id, argument } => {
+                let wanted = Wanted { id, argument, ticket: Some(ticket) };
+                match self.once.push_back(wanted) {
+                    Ok(()) => return,
+                    Err(_) => Answer::TemporarilyRejected,
+                }
+            }
+            Meaning::Interval { id, interval_us } => {
+                let answer = self.streams.set_interval(id, interval_us);
+                if answer == Answer::Accepted {
+                    self.budget.lift();
+                }
+                answer
+            }
             Meaning::CancelCalibration => {
                 self.calibration.cancel();
                 self.say(Severity::Info, "[cal] calibration cancelled", sink);
@@ -82,6 +94,32 @@ impl Session {
             }
         };
         self.acknowledge(&ticket, answer, sink);
+    }
+
+    /// A message that was asked for, behind its acknowledgement: accepted only if there is anything to say.
+    pub(in crate::mavlink) fn send_wanted(
+        &mut self,
+        wanted: &Wanted,
+        out: &StepOutput,
+        params: &Params,
+        sink: Sink,
+    ) {
+        let at = Outgoing { out, params, argument: wanted.argument };
+        if let Some(ticket) = &wanted.ticket {
+            let before = (self.sequence, self.counters, self.budget);
+            self.send_message(wanted.id, &at, &mut |_| {});
+            let says_something = self.counters.sent != before.1.sent;
+            (self.sequence, self.counters, self.budget) = before;
+            let answer =
+                if says_something { Answer::Accepted } else { Answer::TemporarilyRejected };
+            self.acknowledge(ticket, answer, sink);
+        }
+        self.send_message(wanted.id, &at, sink);
+    }
+
+    /// Nobody who holds the key has sent this.
+    pub(super) fn refuse_unsigned(&mut self, frame: &Frame, sink: Sink) {
+        self.acknowledge(&frame.ticket(frame.word(28)), Answer::Denied, sink);
     }
 
     /// The old SET_MODE message; it has no acknowledgement of its own.

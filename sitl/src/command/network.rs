@@ -1,0 +1,68 @@
+//! The simulator on the network: sockets, what may be read, and the key.
+
+use super::Failure;
+use crate::ground::{Files, Keys, Links, Udp};
+use clap::Args;
+use std::net::{IpAddr, SocketAddr};
+use std::path::{Path, PathBuf};
+
+/// Options of the network.
+#[derive(Debug, Args)]
+pub struct NetworkOptions {
+    /// Instance: shifts the UDP ports and the MAVLink system id
+    #[arg(long, value_name = "I", default_value_t = 0, value_parser = clap::value_parser!(u16).range(0..=99))]
+    pub instance: u16,
+    /// Address of this machine at which others may speak to the vehicle; 0.0.0.0 = any
+    #[arg(long, value_name = "ADDR", default_value = "127.0.0.1")]
+    pub bind: IpAddr,
+    /// Only who signs with this key may ask, others may look: 32 bytes, or 64 hexadecimal digits
+    #[arg(long, value_name = "FILE")]
+    pub signing_key: Option<PathBuf>,
+}
+
+/// Open sockets.
+pub struct Network {
+    udp: Udp,
+    keys: Option<Keys>,
+}
+
+impl Network {
+    /// Opens them for `links`, who may read the logs of a folder.
+    pub fn open(options: &NetworkOptions, logs: &Path, links: &mut Links) -> Result<Self, Failure> {
+        let loaded = options.signing_key.as_deref().map(Keys::load).transpose();
+        let (keys, signing) = loaded.map_err(Failure::Usage)?.unzip();
+        links.files = Files::with_logs(logs);
+        links.signing = signing;
+        let udp = Udp::bind(options.instance, options.bind, links).map_err(Failure::Usage)?;
+        Ok(Self { udp, keys })
+    }
+
+    /// Where the vehicle calls out to.
+    pub fn homes(&self) -> &[SocketAddr] {
+        self.udp.homes()
+    }
+
+    /// What has arrived.
+    pub fn receive(&self, links: &mut Links) {
+        self.udp.receive(links);
+    }
+
+    /// What is to go, and what is to be kept of the senders' times.
+    pub fn send(&mut self, links: &mut Links) -> Result<(), Failure> {
+        self.udp.send(links);
+        self.keep(links, false)
+    }
+
+    /// The end: datagrams that could not be sent.
+    pub fn close(mut self, links: &Links) -> Result<u64, Failure> {
+        self.keep(links, true)?;
+        Ok(self.udp.send_errors)
+    }
+
+    fn keep(&mut self, links: &Links, always: bool) -> Result<(), Failure> {
+        match (&mut self.keys, &links.signing) {
+            (Some(keys), Some(signing)) => keys.keep(signing, always).map_err(Failure::Run),
+            _ => Ok(()),
+        }
+    }
+}
