@@ -6,6 +6,7 @@ use embedded_sdmmc::{Block, BlockCount, BlockDevice, BlockIdx};
 use std::cell::RefCell;
 use std::io::{Cursor, Error, Read};
 use std::rc::Rc;
+use tautline_firmware::mavlink::Identity;
 use tautline_firmware::param::Params;
 use tautline_firmware::sense::ImuScale;
 use tautline_firmware::time::Micros;
@@ -110,7 +111,7 @@ impl Bench {
         let out = *Vehicle::<f32>::new(Params::default(), scale).step(&StepInput::default());
         // The dearest log is the hardest to keep up with.
         let params = Params { log_full: 1.0, ..Params::default() };
-        let comms = Comms::new(params, None);
+        let comms = Comms::new(params, Identity::default(), None);
         Self { comms, queue, writer, out, told: Vec::new() }
     }
 

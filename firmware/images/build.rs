@@ -1,8 +1,11 @@
-//! Gives the linker the memory of the part: the image's own `memory.x`, or the reference board's.
+//! Gives the linker the memory of the part: the image's own `memory.x`, or the reference board's; and the commit.
 
 use std::path::{Path, PathBuf};
 
+include!("revision.rs");
+
 fn main() {
+    tell_revision();
     let own = "memory.x";
     let memory = if Path::new(own).exists() { own } else { "../../../memory.x" };
     println!("cargo:rerun-if-changed={memory}");

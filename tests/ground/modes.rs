@@ -2,8 +2,8 @@
 
 use super::station::{Station, holding};
 use mavlink::dialects::common as mav;
-use tautline_firmware::supervisor::{GroundState, Mode};
-use tautline_tests::{ask, run, stream, until};
+use tautline_firmware::supervisor::{Failure, GroundState, Mode};
+use tautline_tests::{HOLD, ask, flight, run, stream, until};
 
 fn attitude(mask: u8, q: [f32; 4], rates: [f32; 3], thrust: f32) -> mav::SET_ATTITUDE_TARGET_DATA {
     let [body_roll_rate, body_pitch_rate, body_yaw_rate] = rates;
@@ -135,5 +135,52 @@ fn modes_that_the_link_forbids_cannot_be_chosen() {
         let is_hidden = mode.properties.contains(hidden);
         let forbidden = ["Taut Force", "Taut Attitude", "Tether Angle", "Pendulum"];
         assert_eq!(is_hidden, forbidden.contains(&name), "{name}");
+    }
+}
+
+#[test]
+fn a_fence_refuses_moves_beyond_it_and_does_what_it_is_set_to() {
+    let fenced = |action: f32| {
+        let text = format!("[params]\nGF_ACTION = {action:.1}\nGF_MAX_VER_DIST = 6.0\n{HOLD}");
+        let mut flight = flight(&text, 3);
+        until(&mut flight, 80.0, |out| {
+            out.mode == Mode::TetherHold && out.ground == GroundState::InAir
+        });
+        flight
+    };
+    let mut station = Station::new(255, 1);
+    let mut inside = fenced(2.0);
+    station.beat(&mut inside);
+    let up = [-1.0, 1.0, 0.0, f32::NAN, f32::NAN, f32::NAN, 8.0];
+    assert_eq!(station.command(&mut inside, 192, up), Some(2));
+    assert!(station.texts().contains(&"Move refused: beyond the fence".into()));
+    let bit = mav::MavSysStatusSensor::MAV_SYS_STATUS_GEOFENCE;
+    let healthy = |station: &mut Station, flight: &mut tautline_sitl::flight::Flight<Vec<u8>>| {
+        station.heard.clear();
+        station.beat(flight);
+        station.run(flight, 1100);
+        let status = station.all::<mav::SYS_STATUS_DATA>();
+        let last = status.last().unwrap();
+        assert!(last.onboard_control_sensors_present.contains(bit));
+        last.onboard_control_sensors_health.contains(bit)
+    };
+    assert!(healthy(&mut station, &mut inside));
+    // The fence comes down on it.
+    for (action, mode) in
+        [(1.0, Mode::TetherHold), (2.0, Mode::TetherHold), (3.0, Mode::Land), (5.0, Mode::Descent)]
+    {
+        let mut flight = fenced(action);
+        let lower = mav::PARAM_SET_DATA {
+            param_value: 3.0,
+            target_system: 1,
+            target_component: 1,
+            param_id: "GF_MAX_VER_DIST".into(),
+            param_type: mav::MavParamType::MAV_PARAM_TYPE_REAL32,
+        };
+        station.say(&mut flight, &lower);
+        until(&mut flight, 1.0, |out| out.events.iter().any(|event| event.text.contains("ence")));
+        let out = run(&mut flight, 0.1);
+        assert_eq!(out.mode, mode, "{action}");
+        assert_eq!(out.failures & Failure::FenceBreached.mask() != 0, action > 1.5);
     }
 }

@@ -3,7 +3,7 @@
 use crate::inbox::Inbox;
 use heapless::String;
 use tautline_firmware::log::FlightLog;
-use tautline_firmware::mavlink::Connection;
+use tautline_firmware::mavlink::{Connection, Identity, is_to_reboot};
 use tautline_firmware::param::Params;
 use tautline_firmware::signal::Severity;
 use tautline_firmware::time::Micros;
@@ -21,7 +21,11 @@ pub struct Comms<const PORTS: usize> {
     notice: Option<String<50>>,
     params: Params,
     log: Log,
+    reboot_at: Option<Micros>,
 }
+
+/// From the answer to the restart, µs.
+const REBOOT_US: u64 = 200_000;
 
 /// The log from arming to disarming.
 #[derive(Debug, Default)]
@@ -34,13 +38,20 @@ struct Log {
 impl<const PORTS: usize> Comms<PORTS> {
     /// `notice` goes to everybody who connects: what was left of a crash, say.
     #[must_use]
-    pub fn new(params: Params, notice: Option<String<50>>) -> Self {
+    pub fn new(params: Params, identity: Identity, notice: Option<String<50>>) -> Self {
+        let connection = |port: usize| {
+            let mut connection = Connection::of_link(port as u8);
+            connection.identify(identity);
+            // The first is the console; behind it are serial lines.
+            if port == 0 { connection } else { connection.narrow() }
+        };
         Self {
-            connections: core::array::from_fn(|_| Connection::new()),
+            connections: core::array::from_fn(connection),
             told: [false; PORTS],
             notice,
             params,
             log: Log::default(),
+            reboot_at: None,
         }
     }
 
@@ -82,6 +93,14 @@ impl<const PORTS: usize> Comms<PORTS> {
                 connection.say(Severity::Critical, notice, &mut send);
             }
         }
+    }
+
+    /// Whether it is time to start anew, as somebody asked: what was said of it has gone out.
+    pub fn is_to_reboot(&mut self, out: &StepOutput) -> bool {
+        if is_to_reboot(out) {
+            self.reboot_at = Some(Micros(out.now.0 + REBOOT_US));
+        }
+        self.reboot_at.is_some_and(|at| out.now >= at) && !out.is_armed
     }
 
     /// Logs what the step said, from arming to disarming.

@@ -18,16 +18,22 @@ mod params;
 mod receive;
 mod schedule;
 mod services;
+#[cfg(feature = "signing")]
+mod signing;
+#[cfg(not(feature = "signing"))]
+#[path = "unsigned.rs"]
 mod signing;
 mod telemetry;
 
 pub use checksum::crc32;
 pub use frame::{Frame, Losses, MAX_FRAME, Parser, Signature};
-pub use signing::{KEY, Sender, Signing};
+pub use signing::Signing;
+#[cfg(feature = "signing")]
+pub use signing::{KEY, Sender};
 
 use crate::param::Params;
 use crate::sense::RawSensors;
-use crate::signal::{Action, Event, Request, Severity, Sticks, Ticket};
+use crate::signal::{Action, Event, Outcome, Reply, Request, Severity, Sticks, Ticket};
 use crate::time::{Micros, Sample};
 use crate::vehicle::StepOutput;
 use budget::Budget;
@@ -59,6 +65,24 @@ pub struct Identity {
     pub uid: u64,
     /// First eight bytes of the commit, as AUTOPILOT_VERSION has it; zeros where it is not known.
     pub revision: [u8; 8],
+}
+
+impl Identity {
+    /// With the sixteen digits of a commit; any other text is none.
+    #[must_use]
+    pub fn new(uid: u64, revision: &str) -> Self {
+        let number = u64::from_str_radix(revision, 16).ok().filter(|_| revision.len() == 16);
+        Self { uid, revision: number.unwrap_or(0).to_le_bytes() }
+    }
+}
+
+/// The vehicle has agreed to start anew: its host does it.
+#[must_use]
+pub fn is_to_reboot(out: &StepOutput) -> bool {
+    let agreed = |reply: Reply| {
+        reply.ticket.command == command::REBOOT && reply.outcome == Outcome::Accepted
+    };
+    out.reply.is_some_and(agreed)
 }
 
 /// What was received, and what was dropped.

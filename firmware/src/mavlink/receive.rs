@@ -5,7 +5,6 @@
 
 use super::frame::Frame;
 use super::params::name_bytes;
-use super::signing::only_reads;
 use super::{COMPONENT_AUTOPILOT, Session, Sink, global};
 use crate::param::Params;
 use crate::signal::{Action, Setpoint, Severity, Sticks};
@@ -293,4 +292,26 @@ fn target(frame: &Frame) -> Option<(u8, u8)> {
         _ => return None,
     };
     Some((frame.byte(at), frame.byte(at + 1)))
+}
+
+/// What anybody may ask: it tells, and changes nothing.
+fn only_reads(frame: &Frame) -> bool {
+    const GET_HOME: u16 = 410;
+    const ABOUT_MESSAGES: core::ops::RangeInclusive<u16> = 510..=512;
+    const VERSIONS: core::ops::RangeInclusive<u16> = 519..=520;
+    match frame.id {
+        mav::COMMAND_LONG_DATA::ID | mav::COMMAND_INT_DATA::ID => {
+            let command = frame.word(28);
+            command == GET_HOME || ABOUT_MESSAGES.contains(&command) || VERSIONS.contains(&command)
+        }
+        mav::PARAM_REQUEST_LIST_DATA::ID
+        | mav::PARAM_REQUEST_READ_DATA::ID
+        | mav::MISSION_REQUEST_LIST_DATA::ID
+        | mav::LOG_REQUEST_LIST_DATA::ID
+        | mav::LOG_REQUEST_DATA_DATA::ID
+        | mav::FILE_TRANSFER_PROTOCOL_DATA::ID
+        | mav::PING_DATA::ID
+        | mav::TIMESYNC_DATA::ID => true,
+        _ => false,
+    }
 }

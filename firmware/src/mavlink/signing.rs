@@ -3,14 +3,9 @@
 //! A frame carries a time that only grows, and the beginning of a hash over key, frame and time. A sender whose time
 //! does not grow is a recording. What each sender's time was is kept by the host over a restart.
 
-// MAVLink deprecates messages that today's clients still send.
-#![allow(deprecated)]
-
 use super::frame::{Frame, MAX_FRAME};
 use crate::time::Micros;
 use heapless::Vec;
-use mavlink::MessageData;
-use mavlink::dialects::common as mav;
 use sha2::{Digest, Sha256};
 use subtle::ConstantTimeEq;
 
@@ -128,26 +123,4 @@ fn put(frame: &mut [u8; MAX_FRAME], at: usize, bytes: &[u8]) -> usize {
     let room = frame.iter_mut().skip(at);
     room.zip(bytes).for_each(|(to, from)| *to = *from);
     at + bytes.len()
-}
-
-/// What anybody may ask: it tells, and changes nothing.
-pub(super) fn only_reads(frame: &Frame) -> bool {
-    const GET_HOME: u16 = 410;
-    const ABOUT_MESSAGES: core::ops::RangeInclusive<u16> = 510..=512;
-    const VERSIONS: core::ops::RangeInclusive<u16> = 519..=520;
-    match frame.id {
-        mav::COMMAND_LONG_DATA::ID | mav::COMMAND_INT_DATA::ID => {
-            let command = frame.word(28);
-            command == GET_HOME || ABOUT_MESSAGES.contains(&command) || VERSIONS.contains(&command)
-        }
-        mav::PARAM_REQUEST_LIST_DATA::ID
-        | mav::PARAM_REQUEST_READ_DATA::ID
-        | mav::MISSION_REQUEST_LIST_DATA::ID
-        | mav::LOG_REQUEST_LIST_DATA::ID
-        | mav::LOG_REQUEST_DATA_DATA::ID
-        | mav::FILE_TRANSFER_PROTOCOL_DATA::ID
-        | mav::PING_DATA::ID
-        | mav::TIMESYNC_DATA::ID => true,
-        _ => false,
-    }
 }

@@ -10,6 +10,12 @@ impl Params {
         self.fence_action > 0.0
     }
 
+    /// Whether a breach is told and nothing else.
+    #[must_use]
+    pub fn fence_only_warns(&self) -> bool {
+        self.fence_action as i32 == 1
+    }
+
     /// Whether a place, world axes from the anchor, m, at this height over it, m, is inside.
     #[must_use]
     pub fn is_inside_fence(&self, place: V3<f32>, height: f32) -> bool {

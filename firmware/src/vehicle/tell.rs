@@ -23,7 +23,7 @@ pub(super) struct Told {
     aids: AidReport,
     altimeters: AltimeterReport,
     /// Of [`Vehicle::tell`]'s list of what comes and goes.
-    quiet: [Quiet; 4],
+    quiet: [Quiet; 5],
     /// Of [`UNSURE`].
     heading: usize,
     /// How long it has been so: thrust off its model, thrust nearly gone, shaken, s.
@@ -62,6 +62,8 @@ const SHAKEN: f32 = 3.0;
 
 impl<S: Scalar> Vehicle<S> {
     pub(super) fn tell(&mut self, events: &mut EventQueue) {
+        // Every action but a warning is a row of the failsafe table.
+        let is_warned = self.params.fence_only_warns() && self.is_outside();
         let (estimate, told) = (&self.situation.estimate, &mut self.state.told);
         let altimeters = self.state.altimeters;
         let comes = [
@@ -69,6 +71,7 @@ impl<S: Scalar> Vehicle<S> {
             (estimate.length_jumps > told.length_jumps, "Line length jumped: taken out"),
             (altimeters.range_is_rejected && !told.altimeters.range_is_rejected, RANGE_REJECTED),
             (altimeters.baro_is_rejected && !told.altimeters.baro_is_rejected, BARO_REJECTED),
+            (is_warned, "Beyond the fence"),
         ];
         for ((has_come, text), quiet) in comes.into_iter().zip(&mut told.quiet) {
             if quiet.step(has_come) {

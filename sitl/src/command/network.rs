@@ -5,6 +5,7 @@ use crate::ground::{Files, Keys, Links, Udp};
 use clap::Args;
 use std::net::{IpAddr, SocketAddr};
 use std::path::{Path, PathBuf};
+use tautline_firmware::mavlink::Identity;
 
 /// Options of the network.
 #[derive(Debug, Args)]
@@ -20,6 +21,11 @@ pub struct NetworkOptions {
     pub signing_key: Option<PathBuf>,
 }
 
+/// Of a simulated vehicle, by its instance.
+fn uid(instance: u16) -> u64 {
+    u64::from_be_bytes(*b"tautline").wrapping_add(u64::from(instance))
+}
+
 /// Open sockets.
 pub struct Network {
     udp: Udp,
@@ -33,6 +39,7 @@ impl Network {
         let (keys, signing) = loaded.map_err(Failure::Usage)?.unzip();
         links.files = Files::with_logs(logs);
         links.signing = signing;
+        links.identity = Identity::new(uid(options.instance), env!("TAUTLINE_REVISION"));
         let udp = Udp::bind(options.instance, options.bind, links).map_err(Failure::Usage)?;
         Ok(Self { udp, keys })
     }

@@ -3,9 +3,9 @@
 use super::{Autopilot, Environment};
 use crate::ground::{Host, Injection, Links, Uplink};
 use crate::scenario::{Arithmetic, Scenario, ScenarioError, Source};
-use tautline_firmware::mavlink::Connection;
+use tautline_firmware::mavlink::{Connection, is_to_reboot};
 use tautline_firmware::param::Params;
-use tautline_firmware::signal::{MAX_ROTORS, Outcome, Reply, Sticks};
+use tautline_firmware::signal::{MAX_ROTORS, Sticks};
 use tautline_firmware::time::{Micros, Sample};
 use tautline_firmware::vehicle::{StepInput, StepOutput};
 use tautline_hal_shim::fake::FakeEsc;
@@ -219,7 +219,7 @@ impl World {
             peer.transfer(&host);
         }
         self.links.signing = signing;
-        if reboots(out) {
+        if is_to_reboot(out) {
             self.reboot();
         }
         self.vehicle.output()
@@ -233,11 +233,4 @@ fn own_connection() -> Connection {
     let mut connection = Connection::of_link(OWN);
     connection.leave_services(0);
     connection
-}
-
-/// The vehicle has agreed to start anew.
-fn reboots(out: &StepOutput) -> bool {
-    const REBOOT: u16 = 246;
-    let is_accepted = |reply: &Reply| reply.outcome == Outcome::Accepted;
-    out.reply.is_some_and(|reply| reply.ticket.command == REBOOT && is_accepted(&reply))
 }

@@ -5,7 +5,7 @@ use std::collections::VecDeque;
 use std::mem::swap;
 use std::net::SocketAddr;
 use std::time::{Duration, Instant};
-use tautline_firmware::mavlink::{Connection, ConnectionCounters, Signing};
+use tautline_firmware::mavlink::{Connection, ConnectionCounters, Identity, Signing};
 use tautline_firmware::param::Params;
 use tautline_firmware::time::Micros;
 use tautline_firmware::vehicle::StepOutput;
@@ -44,6 +44,8 @@ pub struct Links {
     peers: Vec<Peer>,
     /// What they may read.
     pub files: Files,
+    /// As AUTOPILOT_VERSION tells it.
+    pub identity: Identity,
     /// The key that they share, if there is one.
     pub signing: Option<Signing>,
     /// Datagrams dropped: of too many peers, or too many of one.
@@ -72,7 +74,7 @@ impl Links {
             link,
             port,
             address,
-            connection: connection(link),
+            connection: connection(link, self.identity),
             services: Services::default(),
             inbox: VecDeque::new(),
             outbox: Vec::new(),
@@ -103,7 +105,7 @@ impl Links {
         for peer in &mut self.peers {
             if peer.heard_at.is_some_and(|at| at.elapsed() > SILENCE) {
                 peer.heard_at = None;
-                peer.connection = connection(peer.link);
+                peer.connection = connection(peer.link, self.identity);
             }
         }
         self.peers.retain(|peer| peer.is_called || peer.heard_at.is_some());
@@ -119,7 +121,7 @@ impl Links {
     /// The vehicle started anew: every talk begins again.
     pub fn renew(&mut self) {
         for peer in &mut self.peers {
-            peer.connection = connection(peer.link);
+            peer.connection = connection(peer.link, self.identity);
         }
     }
 
@@ -147,9 +149,10 @@ impl Links {
     }
 }
 
-fn connection(link: u8) -> Connection {
+fn connection(link: u8, identity: Identity) -> Connection {
     let mut connection = Connection::of_link(link);
     connection.leave_services(general_crc());
+    connection.identify(identity);
     connection
 }
 

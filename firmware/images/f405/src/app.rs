@@ -5,6 +5,7 @@ use crate::{board, telemetry};
 use heapless::spsc::{Consumer, Producer, Queue};
 use stm32f4xx_hal::pac;
 use tautline_cortex::{crash, stack};
+use tautline_firmware::mavlink::Identity;
 use tautline_firmware::param::Params;
 use tautline_firmware::vehicle::StepOutput;
 use tautline_runtime::comms::Comms;
@@ -70,6 +71,7 @@ mod image {
         if let Some(notice) = &notice {
             defmt::error!("{}", notice.as_str());
         }
+        let identity = Identity::new(board::uid(), env!("TAUTLINE_REVISION"));
         let (outputs_in, outputs_out) = cx.local.outputs.split();
         let (uart, telemetry) = board.telemetry.unzip();
         (
@@ -79,7 +81,7 @@ mod image {
                 pace: board.pace,
                 outputs_in,
                 outputs_out,
-                comms: Comms::new(params, notice),
+                comms: Comms::new(params, identity, notice),
                 console: board.console,
                 log: board.log,
                 telemetry,
@@ -111,6 +113,9 @@ mod image {
             let shared = (&mut cx.shared.inbox, &mut cx.shared.params);
             let ports: [&mut dyn Port; PORTS] = [local.console, local.telemetry];
             tasks::comms(local.comms, &out, ports, local.log, shared.0, shared.1);
+            if local.comms.is_to_reboot(&out) {
+                cortex_m::peripheral::SCB::sys_reset();
+            }
             let _ = devices::spawn(out.is_armed);
         }
     }

@@ -3,6 +3,7 @@
 use crate::{board, motors};
 use heapless::spsc::{Consumer, Producer, Queue};
 use tautline_cortex::{crash, stack};
+use tautline_firmware::mavlink::Identity;
 use tautline_firmware::param::Params;
 use tautline_firmware::vehicle::StepOutput;
 use tautline_runtime::comms::Comms;
@@ -73,6 +74,7 @@ mod image {
         if let Some(notice) = &notice {
             defmt::error!("{}", notice.as_str());
         }
+        let identity = Identity::new(board::uid(), env!("TAUTLINE_REVISION"));
         let (outputs_in, outputs_out) = cx.local.outputs.split();
         let (uart, telemetry) = board.telemetry.unzip();
         crate::time::guard(board.watchdog);
@@ -83,7 +85,7 @@ mod image {
                 pace: board::Pace,
                 outputs_in,
                 outputs_out,
-                comms: Comms::new(params, notice),
+                comms: Comms::new(params, identity, notice),
                 console: board.console,
                 log: board.log,
                 telemetry,
@@ -115,6 +117,9 @@ mod image {
             let shared = (&mut cx.shared.inbox, &mut cx.shared.params);
             let ports: [&mut dyn Port; PORTS] = [local.console, local.telemetry];
             tasks::comms(local.comms, &out, ports, local.log, shared.0, shared.1);
+            if local.comms.is_to_reboot(&out) {
+                cortex_m::peripheral::SCB::sys_reset();
+            }
             let _ = devices::spawn(out.is_armed);
         }
     }

@@ -191,6 +191,12 @@ pub fn start(mut core: cortex_m::Peripherals, memory: &'static mut Memory) -> Bo
     }
 }
 
+/// Which part this is.
+pub fn uid() -> u64 {
+    let bytes = embassy_stm32::uid::uid();
+    bytes.iter().fold(0, |sum: u64, byte| sum.wrapping_mul(257) ^ u64::from(*byte))
+}
+
 /// The board's own defaults.
 pub fn defaults() -> Params {
     Params {

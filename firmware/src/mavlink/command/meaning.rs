@@ -18,7 +18,9 @@ const FORCE: f32 = 21196.0;
 const STORAGE_SAVE: f32 = 1.0;
 const STORAGE_RESET: f32 = 2.0;
 /// `p1` of PREFLIGHT_REBOOT_SHUTDOWN.
-const REBOOT: f32 = 1.0;
+const RESTART: f32 = 1.0;
+/// PREFLIGHT_REBOOT_SHUTDOWN.
+pub(in crate::mavlink) const REBOOT: u16 = 246;
 /// Of a simulator.
 pub(super) const INJECT_FAILURE: u16 = 420;
 /// PREFLIGHT_CALIBRATION.
@@ -183,7 +185,7 @@ impl Command {
             245 if p1 == STORAGE_SAVE => Meaning::Nothing(Answer::Accepted, ""),
             245 if p1 == STORAGE_RESET => Meaning::Do(Action::ResetParams),
             // PREFLIGHT_REBOOT_SHUTDOWN
-            246 if p1 == REBOOT => Meaning::Do(Action::Reboot),
+            REBOOT if p1 == RESTART => Meaning::Do(Action::Reboot),
             // RUN_PREARM_CHECKS: SYS_STATUS carries the result.
             401 => Meaning::Message { id: mav::SYS_STATUS_DATA::ID, argument: 0 },
             // GET_HOME_POSITION

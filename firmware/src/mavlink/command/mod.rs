@@ -8,6 +8,7 @@ mod meaning;
 mod place;
 
 pub(super) use calibration::Calibration;
+pub(super) use meaning::REBOOT;
 
 use super::frame::Frame;
 use super::telemetry::Outgoing;

@@ -80,7 +80,8 @@ fn obey(line: &str, host: &Host) -> String {
         (Some("tether"), _) => tether(host),
         (Some("faults"), _) => faults(host),
         (Some("version"), _) => {
-            format!("Tautline {} in the simulator\n", env!("CARGO_PKG_VERSION"))
+            let (version, revision) = (env!("CARGO_PKG_VERSION"), env!("TAUTLINE_REVISION"));
+            format!("Tautline {version} in the simulator, commit {revision}\n")
         }
         (Some("perf"), _) => format!("{:.3} s since power-up\n", host.out.now.0 as f64 * 1e-6),
         (Some(other), _) => format!("{other}: unknown; try help\n"),

@@ -102,6 +102,11 @@ pub fn open_settings(flash: ParameterFlash) -> Option<Settings<ParameterFlash>> 
     Settings::load(store, defaults).ok().map(|(settings, _)| settings)
 }
 
+/// None: no part is emulated that has one.
+pub fn uid() -> u64 {
+    0
+}
+
 /// The reference board's.
 pub fn defaults() -> Params {
     Params::default()

@@ -138,6 +138,14 @@ pub fn start(
     }
 }
 
+/// Which part this is.
+pub fn uid() -> u64 {
+    let uid = stm32f4xx_hal::signature::Uid::get();
+    let place = (u64::from(uid.x()) << 16) | u64::from(uid.y());
+    uid.lot_num().bytes().fold(place, |sum, byte| sum.wrapping_mul(31) ^ u64::from(byte))
+        ^ (u64::from(uid.waf_num()) << 56)
+}
+
 /// The board's own defaults.
 pub fn defaults() -> Params {
     let mut params = Params::default();
