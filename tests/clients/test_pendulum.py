@@ -68,7 +68,8 @@ class MotionCapture:
 def test_poses_and_a_rod_from_pymavlink_are_taken(sitl, tmp_path):
     bare = tmp_path / "capture.toml"
     bare.write_text(SCENARIO.read_text().split("[[mission]]")[0].replace("rate = 100.0", "rate = 0.0"))
-    vehicle = sitl("--speedup", "1", "--scenario", bare, "--seed", "1")
+    # The station is no companion of the vehicle: it must be named.
+    vehicle = sitl("--speedup", "1", "--scenario", bare, "--seed", "1", "--param", "MAV_AID_SYS=255")
     station = GroundStation(vehicle.program_port)
     station.wait_armable()
     # Without motion capture nothing takes off.
