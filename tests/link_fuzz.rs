@@ -8,7 +8,7 @@
 
 use mavlink::dialects::common as mav;
 use mavlink::{Message, MessageData};
-use tautline_firmware::param::META;
+use tautline_firmware::param::{Kind, META};
 use tautline_firmware::signal::Outcome;
 use tautline_firmware::supervisor::{GroundState, MODES, Mode};
 use tautline_firmware::vehicle::StepOutput;
@@ -17,7 +17,7 @@ use tautline_sitl::plant::{Generator, generator, uniform};
 use tautline_tests::{HOLD, flight, run, until};
 
 /// Every message that the link reads, and where its target stands.
-const READ: [(u32, Option<usize>); 20] = [
+const READ: [(u32, Option<usize>); 38] = [
     (mav::HEARTBEAT_DATA::ID, None),
     (mav::COMMAND_LONG_DATA::ID, Some(30)),
     (mav::COMMAND_INT_DATA::ID, Some(30)),
@@ -38,25 +38,45 @@ const READ: [(u32, Option<usize>); 20] = [
     (mav::PING_DATA::ID, None),
     (mav::TIMESYNC_DATA::ID, None),
     (mav::FILE_TRANSFER_PROTOCOL_DATA::ID, Some(1)),
+    (mav::SET_POSITION_TARGET_GLOBAL_INT_DATA::ID, Some(50)),
+    (mav::SET_ATTITUDE_TARGET_DATA::ID, Some(36)),
+    (mav::RC_CHANNELS_OVERRIDE_DATA::ID, Some(16)),
+    (mav::MISSION_REQUEST_DATA::ID, Some(2)),
+    (mav::MISSION_REQUEST_INT_DATA::ID, Some(2)),
+    (mav::MISSION_SET_CURRENT_DATA::ID, Some(2)),
+    (mav::MISSION_ITEM_INT_DATA::ID, Some(32)),
+    (mav::PARAM_EXT_REQUEST_LIST_DATA::ID, Some(0)),
+    (mav::PARAM_EXT_REQUEST_READ_DATA::ID, Some(2)),
+    (mav::PARAM_EXT_SET_DATA::ID, Some(0)),
+    (mav::LOG_REQUEST_LIST_DATA::ID, Some(4)),
+    (mav::LOG_REQUEST_DATA_DATA::ID, Some(10)),
+    (mav::LOG_REQUEST_END_DATA::ID, Some(0)),
+    (mav::SERIAL_CONTROL_DATA::ID, Some(79)),
+    (mav::SET_HOME_POSITION_DATA::ID, Some(52)),
+    (mav::SET_GPS_GLOBAL_ORIGIN_DATA::ID, Some(12)),
+    (mav::REQUEST_EVENT_DATA::ID, Some(4)),
+    (mav::CHANGE_OPERATOR_CONTROL_DATA::ID, None),
 ];
 
 /// Every command that means something to the link.
-const COMMANDS: [u16; 20] = [
+const COMMANDS: [u16; 27] = [
     400, 22, 20, 21, 176, 192, 31010, 31011, 31012, 241, 245, 401, 410, 510, 511, 512, 519, 520,
-    420, 42600,
+    420, 42600, 185, 209, 246, 262, 310, 32100, 42006,
 ];
 
 /// Commands that may change the mode; 0 is a message without an acknowledgement.
-const MODE_COMMANDS: [u16; 7] = [0, 20, 21, 22, 176, 192, 400];
+const MODE_COMMANDS: [u16; 10] = [0, 20, 21, 22, 176, 192, 400, 185, 246, 262];
 
 struct Fuzz {
     rng: Generator,
     sequence: u8,
+    /// One sender; else mostly the operator.
+    from: Option<u8>,
 }
 
 impl Fuzz {
     fn new(seed: u64) -> Self {
-        Self { rng: generator(seed, 77), sequence: 0 }
+        Self { rng: generator(seed, 77), sequence: 0, from: None }
     }
 
     /// 0 to `n`, without `n`.
@@ -120,8 +140,8 @@ impl Fuzz {
                 payload[at..at + 16].fill(0);
                 payload[at..at + meta.name.len()].copy_from_slice(meta.name.as_bytes());
                 if at == 6 {
-                    // MAV_PARAM_TYPE_REAL32.
-                    payload[22] = 9;
+                    // MAV_PARAM_TYPE_REAL32 or _INT32.
+                    payload[22] = if meta.kind == Kind::Real { 9 } else { 6 };
                 }
             }
             mav::DEBUG_VECT_DATA::ID if good => payload[20..24].copy_from_slice(b"rod\0"),
@@ -152,7 +172,12 @@ impl Fuzz {
         let payload = self.payload(id, at);
         self.sequence = self.sequence.wrapping_add(1);
         let [a, b, c, _] = id.to_le_bytes();
-        let (system, component) = if self.chance(0.9) { (255, 190) } else { (self.byte(), 1) };
+        let from = self.from;
+        let (system, component) = match from {
+            Some(system) => (system, self.byte()),
+            None if self.chance(0.9) => (255, 190),
+            None => (self.byte(), 1),
+        };
         let length = payload.len() as u8;
         let mut frame = vec![0xFD, length, 0, 0, self.sequence, system, component, a, b, c];
         frame.extend(payload);
@@ -328,4 +353,41 @@ fn a_vehicle_in_the_other_modes_survives_any_frame() {
         let done = bombard(&mut flight, &mut Fuzz::new(seed), 5000, &name, |_| true);
         assert!(done.frames > 1500 && done.accepted > 40 && done.mode_changes > 0, "{name}");
     }
+}
+
+/// `FUZZ_FRAMES=10000000 cargo test --release -p tautline-tests --test link_fuzz stranger` sends that many.
+#[test]
+fn a_strangers_frames_in_flight_change_nothing() {
+    let wanted = std::env::var("FUZZ_FRAMES").map_or(40_000, |text| text.parse().unwrap());
+    let mut flight = flight(HOLD, 1);
+    until(&mut flight, 80.0, |out| {
+        out.mode == Mode::TetherHold && out.ground == GroundState::InAir
+    });
+    let before = *flight.output();
+    let params = *flight.world.vehicle.params();
+    let mut fuzz = Fuzz::new(11);
+    let (mut sent, mut heard) = (0_u64, 0);
+    while heard < wanted {
+        for peer in 0..12_u16 {
+            fuzz.from = Some(2 + (fuzz.below(250) as u8));
+            let mut datagram = Vec::new();
+            while datagram.len() < 1200 {
+                datagram.extend(fuzz.frame(&|_| true));
+                sent += 1;
+            }
+            let address = std::net::SocketAddr::from(([127, 0, 0, 1], 40_000 + peer));
+            flight.world.links.arrive(0, address, &datagram);
+        }
+        flight.step(&mut |_| {});
+        flight.world.links.iter_mut().for_each(|peer| drop(peer.take_outbox()));
+        let out = flight.output();
+        check(out, before.mode, "stranger");
+        assert_eq!((out.mode, out.is_armed, out.commander), (before.mode, true, before.commander));
+        assert_eq!(out.failures, 0);
+        heard = u64::from(flight.world.links.counters().received);
+    }
+    assert!(is_finite(flight.output()));
+    assert_eq!(*flight.world.vehicle.params(), params);
+    assert!(flight.world.environment.active_faults().is_empty());
+    println!("{sent} frames, {heard} for the vehicle");
 }

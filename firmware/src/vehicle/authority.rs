@@ -12,7 +12,7 @@ use crate::time::Micros;
 /// A ground station that was silent this long is not there.
 const LINK_TIMEOUT_US: u64 = 3_000_000;
 
-const NOT_YOURS: Refusal = rejected("Refused: another ground station has command");
+pub(super) const NOT_YOURS: Refusal = rejected("Refused: another ground station has command");
 
 impl<S: Scalar> Vehicle<S> {
     pub(super) fn link_is_up(&self, now: Micros) -> bool {

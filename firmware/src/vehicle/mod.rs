@@ -100,8 +100,8 @@ struct State<S: Scalar> {
     /// Ground station that may ask, in flight.
     commander: Option<u8>,
     motor_test: Option<MotorTest<S>>,
-    /// When a set-point was last told to be refused.
-    setpoint_refused: Option<Micros>,
+    /// When a refusal that repeats was last told.
+    refusal_told: Option<Micros>,
     /// A parameter that the vehicle changed by itself, for the ground station.
     echo: Option<usize>,
     /// Whose command the mode still considers.
@@ -212,7 +212,7 @@ impl<S: Scalar> Vehicle<S> {
             link_at: None,
             commander: None,
             motor_test: None,
-            setpoint_refused: None,
+            refusal_told: None,
             echo: None,
             considered: None,
             waiting: Deque::new(),

@@ -1,5 +1,6 @@
 //! What is asked from outside: checked, then done or refused with a reason.
 
+use super::authority::NOT_YOURS;
 use super::{Moment, Vehicle, context};
 use crate::config::Stale;
 use crate::mode::pendulum::gain_warning;
@@ -21,7 +22,7 @@ fn outcome_of(result: Result<(), Refusal>, events: &mut EventQueue) -> Outcome {
     }
 }
 
-/// A set-point that is refused is told again after this silence, µs.
+/// What is refused many times a second is told again after this time, µs.
 const REFUSED_AGAIN_US: u64 = 5_000_000;
 
 /// In flight a gain or a limit changes by a half at most, or a little where it is near zero.
@@ -123,13 +124,16 @@ impl<S: Scalar> Vehicle<S> {
                 Action::Face { heading } => self.face(heading),
             }
         });
-        let is_setpoint = matches!(request.action, Action::Setpoint(_));
-        let result = if is_setpoint { self.told_before(result, at.now) } else { result };
         if result.is_ok() && self.state.considered.is_none() && self.mode.is_considering() {
             self.state.considered = Some(request.ticket);
             return None;
         }
-        Some(Reply { ticket: request.ticket, outcome: outcome_of(result, events), parameter })
+        let outcome = if self.is_old_news(&request.action, result, at.now) {
+            outcome_of(result, &mut EventQueue::default())
+        } else {
+            outcome_of(result, events)
+        };
+        Some(Reply { ticket: request.ticket, outcome, parameter })
     }
 
     /// The answer to a command that the mode takes several steps to consider.
@@ -159,17 +163,15 @@ impl<S: Scalar> Vehicle<S> {
         }
     }
 
-    /// A stream is refused many times a second, and told once.
-    fn told_before(&mut self, result: Result<(), Refusal>, now: Micros) -> Result<(), Refusal> {
-        let last = &mut self.state.setpoint_refused;
-        let is_news = last.is_none_or(|at| now.since(at) > REFUSED_AGAIN_US);
-        match result {
-            Err(refusal) if is_news => {
-                *last = Some(now);
-                Err(refusal)
-            }
-            _ => Ok(()),
+    /// A stream, and a stranger, are refused many times a second, and that is told once.
+    fn is_old_news(&mut self, action: &Action, result: Result<(), Refusal>, now: Micros) -> bool {
+        let repeats = matches!(action, Action::Setpoint(_)) || result == Err(NOT_YOURS);
+        let last = &mut self.state.refusal_told;
+        let is_new = last.is_none_or(|at| now.since(at) > REFUSED_AGAIN_US);
+        if repeats && result.is_err() && is_new {
+            *last = Some(now);
         }
+        repeats && !is_new
     }
 
     fn set_param(

@@ -92,7 +92,7 @@ impl World {
         self.environment.deliver(Source::Ground, datagram, &mut |datagram| {
             connection.receive_datagram(now, datagram, params, send);
         });
-        self.reach_simulator(datagram, send);
+        self.reach_simulator(datagram, None, send);
     }
 
     /// A datagram of somebody outside; what is not for the firmware is for the simulator.
@@ -115,7 +115,8 @@ impl World {
         self.links.signing = signing;
         if is_admitted {
             let mut answers = Vec::new();
-            self.reach_simulator(datagram, &mut |frame| answers.push(frame.to_vec()));
+            let commander = self.vehicle.output().commander;
+            self.reach_simulator(datagram, commander, &mut |frame| answers.push(frame.to_vec()));
             if let Some(peer) = self.links.peer(link) {
                 answers.iter().for_each(|frame| peer.write(frame));
             }
@@ -123,11 +124,16 @@ impl World {
     }
 
     /// Failures to inject, and the winch.
-    fn reach_simulator(&mut self, datagram: &[u8], send: &mut dyn FnMut(&[u8])) {
+    fn reach_simulator(
+        &mut self,
+        datagram: &[u8],
+        commander: Option<u8>,
+        send: &mut dyn FnMut(&[u8]),
+    ) {
         let time = self.environment.now().0 as f64 * 1e-6;
         let Environment { winch, plant, faults, .. } = &mut self.environment;
-        self.injection.take(datagram, time, faults, send);
-        winch.take(datagram, plant, send);
+        self.injection.take(datagram, time, faults, commander, send);
+        winch.take(datagram, plant, commander, send);
     }
 
     /// What everybody outside has sent.

@@ -75,12 +75,13 @@ impl Injection {
         Self { parser: Parser::new(), sender: MavlinkSender::new(u32::from(system), 1), system }
     }
 
-    /// Does what a datagram asks for at `time` s, and answers; what else stands in it is for others.
+    /// Does what a datagram asks for at `time` s, if the commander asks it or nobody commands, and answers; what else stands in it is for others.
     pub fn take(
         &mut self,
         datagram: &[u8],
         time: f64,
         faults: &mut Faults,
+        commander: Option<u8>,
         send: &mut dyn FnMut(&[u8]),
     ) {
         let mut answers = Vec::new();
@@ -89,7 +90,11 @@ impl Injection {
             let is_command = matches!(frame.id, COMMAND_LONG_DATA::ID | COMMAND_INT_DATA::ID);
             let is_for_us = [0, system].contains(&frame.byte(30));
             if is_command && is_for_us && frame.word(28) == INJECT_FAILURE {
-                answers.push(inject(frame, time, faults));
+                let is_strange = commander.is_some_and(|known| known != frame.system);
+                answers.push(match is_strange {
+                    true => MavResult::MAV_RESULT_TEMPORARILY_REJECTED,
+                    false => inject(frame, time, faults),
+                });
             }
         });
         for &result in &answers {

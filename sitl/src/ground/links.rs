@@ -42,6 +42,8 @@ pub struct Peer {
 #[derive(Debug, Default)]
 pub struct Links {
     peers: Vec<Peer>,
+    /// What those have sent and received that are gone.
+    past: ConnectionCounters,
     /// What they may read.
     pub files: Files,
     /// As AUTOPILOT_VERSION tells it.
@@ -105,7 +107,7 @@ impl Links {
         for peer in &mut self.peers {
             if peer.heard_at.is_some_and(|at| at.elapsed() > SILENCE) {
                 peer.heard_at = None;
-                peer.connection = connection(peer.link, self.identity);
+                peer.begin_anew(self.identity, &mut self.past);
             }
         }
         self.peers.retain(|peer| peer.is_called || peer.heard_at.is_some());
@@ -121,7 +123,7 @@ impl Links {
     /// The vehicle started anew: every talk begins again.
     pub fn renew(&mut self) {
         for peer in &mut self.peers {
-            peer.connection = connection(peer.link, self.identity);
+            peer.begin_anew(self.identity, &mut self.past);
         }
     }
 
@@ -135,11 +137,11 @@ impl Links {
         self.peers.iter_mut().find(|peer| peer.link == link)
     }
 
-    /// What all that are there have sent and received.
+    /// What all have sent and received.
     #[must_use]
     pub fn counters(&self) -> ConnectionCounters {
         let all = self.peers.iter().map(|peer| peer.connection.counters());
-        all.fold(ConnectionCounters::default(), ConnectionCounters::plus)
+        all.fold(self.past, ConnectionCounters::plus)
     }
 
     /// How many have spoken.
@@ -157,6 +159,11 @@ fn connection(link: u8, identity: Identity) -> Connection {
 }
 
 impl Peer {
+    fn begin_anew(&mut self, identity: Identity, past: &mut ConnectionCounters) {
+        let last = std::mem::replace(&mut self.connection, connection(self.link, identity));
+        *past = past.plus(last.counters());
+    }
+
     /// Hands a datagram to the vehicle's side; false if it holds what only the holder of the key may say.
     pub fn receive(
         &mut self,

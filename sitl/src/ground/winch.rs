@@ -83,8 +83,14 @@ impl Winch {
         }
     }
 
-    /// Does what a datagram asks of it, and answers.
-    pub fn take(&mut self, datagram: &[u8], plant: &Plant, send: &mut dyn FnMut(&[u8])) {
+    /// Does what a datagram asks of it, if the commander asks it or nobody commands, and answers.
+    pub fn take(
+        &mut self,
+        datagram: &[u8],
+        plant: &Plant,
+        commander: Option<u8>,
+        send: &mut dyn FnMut(&[u8]),
+    ) {
         let Some(model) = &plant.model().tether.winch else { return };
         let (most, longest) = (model.speed_max, model.length_max);
         let mut answers = Vec::new();
@@ -95,7 +101,9 @@ impl Winch {
             if !(is_command && is_for_us) {
                 return;
             }
+            let is_strange = commander.is_some_and(|known| known != frame.system);
             let result = match frame.word(28) {
+                DO_WINCH if is_strange => MavResult::MAV_RESULT_TEMPORARILY_REJECTED,
                 DO_WINCH => match wanted(frame, length, most, longest) {
                     Ok(wanted) => {
                         *doing = wanted;
