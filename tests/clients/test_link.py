@@ -99,7 +99,6 @@ def test_every_command_is_acknowledged_and_services_answer(sitl):
     vehicle = sitl("--speedup", "4")
     station = GroundStation(vehicle.program_port)
     assert station.command(12345) == MAV.MAV_RESULT_UNSUPPORTED
-    assert station.command(MAV.MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN, 1) == MAV.MAV_RESULT_UNSUPPORTED
     assert station.command(MAV.MAV_CMD_REQUEST_MESSAGE, 148) == MAV.MAV_RESULT_ACCEPTED
     version = station.receive("AUTOPILOT_VERSION")
     assert version.flight_sw_version >= (1 << 24 | 4 << 16 | 1 << 8)
@@ -109,13 +108,17 @@ def test_every_command_is_acknowledged_and_services_answer(sitl):
     station.link.mav.mission_request_list_send(1 + station.system_offset, 1)
     assert station.receive("MISSION_COUNT").count == 0
     station.link.mav.file_transfer_protocol_send(0, 1 + station.system_offset, 1, bytes(251))
-    assert station.receive("FILE_TRANSFER_PROTOCOL").payload[3] == 129
+    assert station.receive("FILE_TRANSFER_PROTOCOL").payload[3] == 128
     for name in ["ODOMETRY", "ESTIMATOR_STATUS", "BATTERY_STATUS", "ATTITUDE_QUATERNION", "EXTENDED_SYS_STATE",
                  "HOME_POSITION", "GLOBAL_POSITION_INT", "WINCH_STATUS", "NAMED_VALUE_FLOAT", "LOCAL_POSITION_NED"]:
         station.receive(name)
     # Integers travel bytewise under the PX4 identity.
     raw = struct.pack("<f", station.read_parameter("SYS_AUTOSTART"))
     assert struct.unpack("<i", raw)[0] == 4001
+    station.wait_text("Levelled")
+    station.texts.clear()
+    assert station.command(MAV.MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN, 1) == MAV.MAV_RESULT_ACCEPTED
+    station.wait_text("Levelled")
     output, code = vehicle.end()
     station.close()
     assert code == 0 and os.path.exists(vehicle.log()), output
