@@ -3,6 +3,7 @@
 use crate::inbox::Inbox;
 use heapless::String;
 use tautline_firmware::log::FlightLog;
+pub use tautline_firmware::log::STEP_BYTES;
 use tautline_firmware::mavlink::{Connection, Identity, is_to_reboot};
 use tautline_firmware::param::Params;
 use tautline_firmware::signal::Severity;
@@ -108,9 +109,6 @@ impl<const PORTS: usize> Comms<PORTS> {
         self.log.write(out, &self.params, file);
     }
 }
-
-/// More than all that one step may have to say, bytes: fifteen topics of up to 150 each, and its events.
-pub const STEP_BYTES: usize = 3_000;
 
 /// What a log is told.
 pub struct LogFile<'a> {

@@ -1,8 +1,10 @@
 //! The vehicle's topics in the log.
 
 use super::topics as t;
-use super::ulog::{Record, Sink, Topic, Ulog};
-use crate::param::{META, Params};
+use super::ulog::{Record, Sink, Topic, Ulog, message_bytes};
+use crate::model::{Rotors, thrust_max};
+use crate::param::{ALIASES, Kind, META, Params};
+use crate::signal::{EVENTS_MAX, TEXT_MAX};
 use crate::time::Micros;
 use crate::vehicle::StepOutput;
 
@@ -24,8 +26,33 @@ impl Period {
 pub(super) const FAST: Period = Period { usual: 10, full: 4 };
 /// Of attitude and motors; also of the simulator's truth.
 pub const MEDIUM: Period = Period { usual: 20, full: 10 };
-pub(super) const SLOW: Period = Period { usual: 40, full: 20 };
+/// Of what moves with the vehicle.
+pub const SLOW: Period = Period { usual: 40, full: 20 };
 pub(super) const RARE: Period = Period { usual: 200, full: 200 };
+
+/// What is the whole where PX4 logs shares.
+#[derive(Clone, Copy, Debug)]
+pub struct Scale {
+    /// Of all rotors, N.
+    pub thrust: f32,
+    /// What half of the rotors give at full throttle while the others rest, N m.
+    pub torque: [f32; 3],
+    /// `MAV_TYPE` of a multirotor with so many rotors.
+    pub mav_type: u8,
+}
+
+impl Scale {
+    fn new(p: &Params) -> Self {
+        let thrust = thrust_max(p);
+        let tilt = thrust * p.arm / 2.0;
+        let mav_type = match Rotors::of(p).len() {
+            6 => 13,
+            8 => 14,
+            _ => 2,
+        };
+        Self { thrust, torque: [tilt, tilt, thrust * p.torque_ratio / 2.0], mav_type }
+    }
+}
 
 /// A topic that the vehicle's own output fills.
 pub trait FlightTopic: Record + Sized {
@@ -36,13 +63,19 @@ pub trait FlightTopic: Record + Sized {
     /// Also when mode, arming, ground or failures change.
     const ON_CHANGE: bool = false;
     /// What this step has to say on it, if anything.
-    fn of(out: &StepOutput) -> Option<Self>;
+    fn of(out: &StepOutput, scale: &Scale) -> Option<Self>;
 }
 
 /// All topics, in the order in which they stand in the log. A new one is a `record!` and a line here.
 macro_rules! flight_topics {
     ($($topic:ident)+) => {
         const NAMES: [&str; [$(stringify!($topic)),+].len()] = [$(t::$topic::NAME),+];
+
+        /// More than all that one step may have to say, bytes: every topic, a gap before and the events.
+        pub const STEP_BYTES: usize = {
+            const EVENT: usize = 12 + TEXT_MAX;
+            0 $(+ message_bytes(t::$topic::FIELDS))+ + EVENTS_MAX * EVENT + 5
+        };
 
         fn define(ulog: &mut Ulog, sink: Sink) {
             $(ulog.define_fields(t::$topic::NAME, t::$topic::FIELDS, sink);)+
@@ -54,7 +87,7 @@ macro_rules! flight_topics {
                 $(if let Some(topic) = topics.next()
                     && (t::$topic::EVERY.has(self.step, self.is_full)
                         || (t::$topic::ON_CHANGE && has_changed))
-                    && let Some(record) = t::$topic::of(out)
+                    && let Some(record) = t::$topic::of(out, &self.scale)
                 {
                     self.ulog.write(topic, &record, sink);
                 })+
@@ -68,6 +101,8 @@ flight_topics! {
     VehicleAttitude
     VehicleAngularVelocity
     VehicleRatesSetpoint
+    VehicleThrustSetpoint
+    VehicleTorqueSetpoint
     ActuatorMotors
     VehicleLocalPosition
     EstimatorEkf4
@@ -78,7 +113,19 @@ flight_topics! {
     TetherSensors
     VehicleLocalPositionSetpoint
     BatteryStatus
+    VehicleMagnetometer
+    VehicleImuStatus
+    EstimatorStatus
     VehicleStatus
+    VehicleLandDetected
+    FailsafeFlags
+}
+
+fn parameter(ulog: &mut Ulog, name: &str, kind: Kind, value: f32, sink: Sink) {
+    match kind {
+        Kind::Real => ulog.parameter(name, value, sink),
+        Kind::Int => ulog.parameter(name, value as i32, sink),
+    }
 }
 
 /// What a change of is worth a record of its own.
@@ -90,6 +137,7 @@ pub struct FlightLog {
     /// The writer.
     pub ulog: Ulog,
     topics: [Topic; NAMES.len()],
+    scale: Scale,
     is_full: bool,
     step: u32,
     stage: Option<Stage>,
@@ -104,14 +152,20 @@ impl FlightLog {
         sink: Sink,
     ) -> Self {
         let mut ulog = Ulog::default();
-        ulog.start(now, "Tautline", env!("CARGO_PKG_VERSION"), sink);
+        ulog.start(now, "Tautline", sink);
         define(&mut ulog, sink);
         define_more(&mut ulog, sink);
         for (index, meta) in META.iter().enumerate() {
-            ulog.parameter(meta.name, params.get(index).unwrap_or(meta.default), sink);
+            let value = params.get(index).unwrap_or(meta.default);
+            parameter(&mut ulog, meta.name, meta.kind, value, sink);
         }
+        for alias in ALIASES {
+            parameter(&mut ulog, alias.name, alias.kind, alias.value(params), sink);
+        }
+        let scale = Scale::new(params);
+        ulog.parameter("MAV_TYPE", i32::from(scale.mav_type), sink);
         let topics = NAMES.map(|name| ulog.subscribe(name, sink));
-        Self { ulog, topics, is_full: params.log_full > 0.5, step: 0, stage: None }
+        Self { ulog, topics, scale, is_full: params.log_full > 0.5, step: 0, stage: None }
     }
 
     /// Whether a topic of this period is written in the next step, for whoever logs beside it.

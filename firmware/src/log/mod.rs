@@ -8,8 +8,10 @@
 
 mod estimators;
 mod flight;
+mod raw;
+mod status;
 pub mod topics;
 mod ulog;
 
-pub use flight::{FlightLog, FlightTopic, MEDIUM, Period};
+pub use flight::{FlightLog, FlightTopic, MEDIUM, Period, SLOW, STEP_BYTES, Scale};
 pub use ulog::{Field, FieldMeta, Record, Sink, Topic, Ulog};

@@ -3,10 +3,17 @@
 pub use super::estimators::{
     EstimatorEkf4, EstimatorPendulum, EstimatorPosition, EstimatorTaut, EstimatorTetherAngle,
 };
-use super::flight::{FAST, MEDIUM, RARE, SLOW};
+use super::flight::{FAST, MEDIUM, RARE, SLOW, Scale};
+pub use super::raw::{
+    ActuatorOutputs, DistanceSensor, ManualControlSetpoint, SensorBaro, VehicleAirData,
+    VehicleAngularAcceleration,
+};
+pub use super::status::{
+    EstimatorStatus, FailsafeFlags, VehicleImuStatus, VehicleLandDetected, VehicleStatus,
+};
 use super::ulog::record;
 use crate::frames::V3;
-use crate::supervisor::{GroundState, Mode};
+use crate::vehicle::StepOutput;
 
 record! {
     /// `sensor_combined`: filtered and calibrated inertial data, body FRD.
@@ -71,6 +78,12 @@ record! {
         xy_valid: bool,
         /// An altimeter answers.
         z_valid: bool,
+        /// The horizontal velocity is known.
+        v_xy_valid: bool,
+        /// The climb is known.
+        v_z_valid: bool,
+        /// `dist_bottom` comes from the rangefinder.
+        dist_bottom_valid: bool,
     }
     topic "vehicle_local_position" every SLOW;
     of |out| {
@@ -92,6 +105,9 @@ record! {
             dist_bottom: e.height,
             xy_valid: e.position.is_some(),
             z_valid: out.sensors.altitude_is_fresh,
+            v_xy_valid: e.velocity.is_some(),
+            v_z_valid: e.velocity.is_some(),
+            dist_bottom_valid: out.sensors.altitude_is_fresh && out.sensors.altitude_is_ranged,
         })
 }
 }
@@ -132,6 +148,8 @@ record! {
         pitch: f32,
         /// rad/s.
         yaw: f32,
+        /// Shares of what all rotors give, body FRD.
+        thrust_body: [f32; 3],
         /// Thrust, N.
         thrust: f32,
         /// Torque, N m.
@@ -144,13 +162,14 @@ record! {
         thrust_saturated: bool,
     }
     topic "vehicle_rates_setpoint" every MEDIUM;
-    of |out| {
+    of |out, scale| {
         let [roll, pitch, yaw] = three(&out.rate_setpoint.0);
         Some(Self {
             timestamp: out.now.0,
             roll,
             pitch,
             yaw,
+            thrust_body: thrust_share(out, scale),
             thrust: out.wrench.thrust,
             torque: three(&out.wrench.torque.0),
             tilt_saturated: out.mixer.tilt_is_saturated,
@@ -158,6 +177,28 @@ record! {
             thrust_saturated: out.mixer.thrust_is_saturated,
         })
 }
+}
+record! {
+    /// `vehicle_thrust_setpoint`: what is asked of the mixer.
+    VehicleThrustSetpoint {
+        /// Shares of what all rotors give, body FRD.
+        xyz: [f32; 3],
+    }
+    topic "vehicle_thrust_setpoint" every MEDIUM;
+    of |out, scale| Some(Self { timestamp: out.now.0, xyz: thrust_share(out, scale) })
+}
+record! {
+    /// `vehicle_torque_setpoint`: what is asked of the mixer.
+    VehicleTorqueSetpoint {
+        /// Shares of what half of the rotors give, body FRD.
+        xyz: [f32; 3],
+    }
+    topic "vehicle_torque_setpoint" every MEDIUM;
+    of |out, scale| {
+        let ([x, y, z], [full_x, full_y, full_z]) = (three(&out.wrench.torque.0), scale.torque);
+        let xyz = [share(x, full_x), share(y, full_y), share(z, full_z)];
+        Some(Self { timestamp: out.now.0, xyz })
+    }
 }
 record! {
     /// `actuator_motors`, in the order of the table of rotors; zero beyond the last.
@@ -175,38 +216,6 @@ record! {
             control: out.actuation.throttle.padded(),
             thrust: out.actuation.thrusts.padded(),
             winch_tension: out.actuation.winch.tension,
-        })
-}
-record! {
-    /// `vehicle_status`.
-    VehicleStatus {
-        /// 1 disarmed, 2 armed.
-        arming_state: u8,
-        /// Row of the mode table, from 0: `supervisor/mode.rs`.
-        nav_state: u8,
-        /// 0 on ground, 1 taking off, 2 in air, 3 landing.
-        ground_state: u8,
-        /// A failsafe is active.
-        failsafe: bool,
-        /// Bit n: row n of the failsafe table.
-        failures: u32,
-        /// All arming checks pass.
-        pre_flight_checks_pass: bool,
-    }
-    topic "vehicle_status" every RARE, on change true;
-    of |out| Some(Self {
-            timestamp: out.now.0,
-            arming_state: if out.is_armed { 2 } else { 1 },
-            nav_state: mode_number(out.mode),
-            ground_state: match out.ground {
-                GroundState::OnGround => 0,
-                GroundState::TakingOff => 1,
-                GroundState::InAir => 2,
-                GroundState::Landing => 3,
-            },
-            failsafe: out.failures != 0,
-            failures: out.failures,
-            pre_flight_checks_pass: out.is_armable,
         })
 }
 record! {
@@ -331,12 +340,27 @@ record! {
         })
 }
 }
-pub(super) fn three(v: &V3<f32>) -> [f32; 3] {
-    [v.x, v.y, v.z]
+record! {
+    /// `vehicle_magnetometer`: of a vehicle that has one.
+    VehicleMagnetometer {
+        /// Body FRD, gauss.
+        magnetometer_ga: [f32; 3],
+    }
+    topic "vehicle_magnetometer" every SLOW;
+    of |out| {
+        let field = out.sensors.line.magnetic?;
+        // A gauss is 100 µT.
+        Some(Self { timestamp: out.now.0, magnetometer_ga: three(&field.0).map(|x| x / 100.0) })
+    }
+}
+fn share(x: f32, whole: f32) -> f32 {
+    x / whole.max(f32::MIN_POSITIVE)
 }
 
-/// Row of the mode table.
-#[must_use]
-pub fn mode_number(mode: Mode) -> u8 {
-    crate::supervisor::MODES.iter().position(|rule| rule.mode == mode).unwrap_or(0) as u8
+fn thrust_share(out: &StepOutput, scale: &Scale) -> [f32; 3] {
+    [0.0, 0.0, -share(out.wrench.thrust, scale.thrust)]
+}
+
+pub(super) fn three(v: &V3<f32>) -> [f32; 3] {
+    [v.x, v.y, v.z]
 }

@@ -8,7 +8,25 @@ pub type Sink<'a> = &'a mut dyn FnMut(&[u8]);
 
 /// Longest message body.
 const MAX_BODY: usize = 512;
+/// Size and kind of a message.
+const HEAD: usize = 3;
+/// The package's version as PX4 counts: a byte each for major, minor, patch, and 64 for an early version.
+const RELEASE: u32 = u32::from_be_bytes([
+    number(env!("CARGO_PKG_VERSION_MAJOR")),
+    number(env!("CARGO_PKG_VERSION_MINOR")),
+    number(env!("CARGO_PKG_VERSION_PATCH")),
+    64,
+]);
 const MAGIC: [u8; 8] = [b'U', b'L', b'o', b'g', 0x01, 0x12, 0x35, 0x01];
+
+const fn number(digits: &str) -> u8 {
+    let (mut rest, mut n) = (digits.as_bytes(), 0);
+    while let [digit, more @ ..] = rest {
+        n = n * 10 + (*digit - b'0');
+        rest = more;
+    }
+    n
+}
 
 /// A type that ULog knows.
 pub trait Field {
@@ -31,6 +49,13 @@ impl Body {
         let room = MAX_BODY - self.0.len();
         let _ = self.0.extend_from_slice(bytes.get(..bytes.len().min(room)).unwrap_or(&[]));
     }
+    /// Length, type and name, as before the value of an information or a parameter.
+    fn keyed(&mut self, kind: &[u8], name: &str) {
+        self.bytes(&[(kind.len() + 1 + name.len()) as u8]);
+        self.bytes(kind);
+        self.bytes(b" ");
+        self.bytes(name.as_bytes());
+    }
     fn digits(&mut self, n: u8) {
         if n >= 10 {
             self.digits(n / 10);
@@ -49,7 +74,9 @@ macro_rules! field {
         }
     )+};
 }
-field! { u64, "uint64_t"; u32, "uint32_t"; u16, "uint16_t"; u8, "uint8_t"; f32, "float"; }
+field! {
+    u64, "uint64_t"; u32, "uint32_t"; u16, "uint16_t"; u8, "uint8_t"; i8, "int8_t"; i32, "int32_t"; f32, "float";
+}
 
 impl Field for bool {
     const TYPE: &'static str = "bool";
@@ -77,6 +104,19 @@ pub struct FieldMeta {
     pub length: Option<u8>,
     /// Its name.
     pub name: &'static str,
+    /// Bytes in a sample.
+    pub size: usize,
+}
+
+/// Bytes of a message of a topic with these fields.
+#[must_use]
+pub const fn message_bytes(fields: &[FieldMeta]) -> usize {
+    let (mut rest, mut size) = (fields, HEAD + 2);
+    while let [field, more @ ..] = rest {
+        size += field.size;
+        rest = more;
+    }
+    size
 }
 
 /// What a topic is made of.
@@ -94,7 +134,7 @@ macro_rules! record {
         $(#[$meta:meta])*
         $name:ident { $($(#[$field_meta:meta])* $field:ident : $t:ty,)+ }
         $(topic $topic:literal every $every:expr $(, on change $change:literal)?;
-        of |$out:ident| $of:expr)?
+        of |$out:ident $(, $scale:ident)?| $of:expr)?
     ) => {
         $(#[$meta])*
         #[derive(Clone, Copy, Debug, PartialEq)]
@@ -105,11 +145,12 @@ macro_rules! record {
         }
         impl $crate::log::Record for $name {
             const FIELDS: &'static [$crate::log::FieldMeta] = &[
-                $crate::log::FieldMeta { kind: "uint64_t", length: None, name: "timestamp" },
+                $crate::log::FieldMeta { kind: "uint64_t", length: None, name: "timestamp", size: 8 },
                 $($crate::log::FieldMeta {
                     kind: <$t as $crate::log::Field>::TYPE,
                     length: <$t as $crate::log::Field>::LENGTH,
                     name: stringify!($field),
+                    size: size_of::<$t>(),
                 },)+
             ];
             fn encode(&self, out: &mut $crate::log::ulog::Body) {
@@ -121,7 +162,9 @@ macro_rules! record {
             const NAME: &'static str = $topic;
             const EVERY: $crate::log::Period = $every;
             $(const ON_CHANGE: bool = $change;)?
-            fn of($out: &$crate::vehicle::StepOutput) -> Option<Self> {
+            fn of($out: &$crate::vehicle::StepOutput, scale: &$crate::log::Scale) -> Option<Self> {
+                $(let $scale = scale;)?
+                let _ = scale;
                 $of
             }
         })?
@@ -144,7 +187,7 @@ pub struct Ulog {
 
 impl Ulog {
     /// File header, flag bits and who wrote it.
-    pub fn start(&mut self, now: Micros, system: &str, version: &str, sink: Sink) {
+    pub fn start(&mut self, now: Micros, system: &str, sink: Sink) {
         let mut header = Body::default();
         header.bytes(&MAGIC);
         header.bytes(&now.0.to_le_bytes());
@@ -152,19 +195,27 @@ impl Ulog {
         self.bytes += 16;
         self.message(b'B', sink, &mut |body| body.bytes(&[0; 40]));
         self.info("sys_name", system, sink);
-        self.info("ver_sw", version, sink);
+        self.info("ver_sw", env!("CARGO_PKG_VERSION"), sink);
+        self.info_number("ver_sw_release", RELEASE, sink);
     }
 
-    fn info(&mut self, key: &str, value: &str, sink: Sink) {
+    /// A fact about the vehicle or its firmware, in words.
+    pub fn info(&mut self, key: &str, value: &str, sink: Sink) {
         self.message(b'I', sink, &mut |body| {
-            let mut name = Body::default();
-            name.bytes(b"char[");
-            name.digits(value.len() as u8);
-            name.bytes(b"] ");
-            name.bytes(key.as_bytes());
-            body.bytes(&[name.0.len() as u8]);
-            body.bytes(&name.0);
+            let mut kind = Body::default();
+            kind.bytes(b"char[");
+            kind.digits(value.len() as u8);
+            kind.bytes(b"]");
+            body.keyed(&kind.0, key);
             body.bytes(value.as_bytes());
+        });
+    }
+
+    /// A fact in numbers.
+    pub fn info_number<T: Field>(&mut self, key: &str, value: T, sink: Sink) {
+        self.message(b'I', sink, &mut |body| {
+            body.keyed(T::TYPE.as_bytes(), key);
+            value.put(body);
         });
     }
 
@@ -193,12 +244,10 @@ impl Ulog {
     }
 
     /// Records a parameter's value.
-    pub fn parameter(&mut self, name: &str, value: f32, sink: Sink) {
+    pub fn parameter<T: Field>(&mut self, name: &str, value: T, sink: Sink) {
         self.message(b'P', sink, &mut |body| {
-            body.bytes(&[(name.len() + 6) as u8]);
-            body.bytes(b"float ");
-            body.bytes(name.as_bytes());
-            body.bytes(&value.to_le_bytes());
+            body.keyed(T::TYPE.as_bytes(), name);
+            value.put(body);
         });
     }
 
@@ -241,7 +290,7 @@ impl Ulog {
         let mut message = Body::default();
         message.bytes(&[0, 0, kind]);
         fill(&mut message);
-        let [low, high] = (message.0.len().saturating_sub(3) as u16).to_le_bytes();
+        let [low, high] = (message.0.len().saturating_sub(HEAD) as u16).to_le_bytes();
         for (slot, byte) in message.0.iter_mut().zip([low, high]) {
             *slot = byte;
         }

@@ -97,10 +97,13 @@ impl fmt::Write for Cut {
     }
 }
 
+/// Events that one step may have.
+pub const EVENTS_MAX: usize = 6;
+
 /// Events of one step. When full, later ones are dropped and counted.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct EventQueue {
-    slots: [Option<Event>; 6],
+    slots: [Option<Event>; EVENTS_MAX],
     /// Events that found no room.
     pub dropped: u8,
 }

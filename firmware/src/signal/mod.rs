@@ -14,7 +14,7 @@ mod setpoint;
 pub use aid::{Aid, AidReport, AidSet};
 pub use command::{Actuation, MixerReport, WinchCommand, Wrench};
 pub use estimate::{Estimate, FilterHealth, PositionSource, TetherState};
-pub use event::{Amount, Event, EventQueue, Severity, TEXT_MAX};
+pub use event::{Amount, EVENTS_MAX, Event, EventQueue, Severity, TEXT_MAX};
 pub(crate) use line::take;
 pub use line::{LineSensors, RawAngles, RawFairlead, RawLineSensors, RawMagnetometer, RawTension};
 pub use per_rotor::{MAX_ROTORS, PerRotor};

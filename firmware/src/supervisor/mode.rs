@@ -79,6 +79,32 @@ pub struct ModeRule {
     pub completes: Option<&'static str>,
 }
 
+impl ModeRule {
+    /// PX4's `vehicle_status.nav_state`, by which its tools name and colour a flight's modes. It follows from
+    /// `custom_mode`, except that Descent has a number there and none in MAVLink.
+    #[must_use]
+    pub const fn nav_state(&self) -> u8 {
+        if matches!(self.mode, Mode::Descent) {
+            return 12;
+        }
+        let [_, _, main, sub] = self.custom_mode.to_le_bytes();
+        match (main, sub) {
+            (2, _) => 1,
+            (3, _) => 2,
+            (4, 2) => 17,
+            (4, 3) => 4,
+            (4, 5) => 5,
+            (4, 6) => 18,
+            // External 1 to 8.
+            (4, 11..=18) => sub + 12,
+            (6, _) => 14,
+            (7, _) => 15,
+            // Manual, which none of ours is.
+            _ => 0,
+        }
+    }
+}
+
 const fn px4(main: u32, sub: u32) -> u32 {
     (sub << 24) | (main << 16)
 }
@@ -219,5 +245,26 @@ mod tests {
             assert_eq!(Mode::from_custom_mode(rule.custom_mode), Some(rule.mode));
         }
         assert_eq!(Mode::from_custom_mode(u32::MAX), None);
+    }
+
+    #[test]
+    fn every_mode_has_a_number_of_its_own_among_px4s() {
+        let numbers = MODES.map(|rule| (rule.name, rule.nav_state()));
+        let expected = [
+            ("Stabilize", 15),
+            ("Altitude", 1),
+            ("Tether Hold", 4),
+            ("Takeoff", 17),
+            ("Land", 18),
+            ("Descent", 12),
+            ("Taut Force", 24),
+            ("Taut Attitude", 25),
+            ("Tether Angle", 26),
+            ("Pendulum", 27),
+            ("Return", 5),
+            ("Position", 2),
+            ("Offboard", 14),
+        ];
+        assert_eq!(numbers, expected);
     }
 }

@@ -8,6 +8,7 @@ mod mavlink_sender;
 mod mission;
 mod physics;
 mod recorder;
+mod recorder_inputs;
 mod shadow;
 mod world;
 
@@ -89,6 +90,7 @@ impl<W: Write> Flight<W> {
         shadows: &[Shadow],
     ) -> Result<Self, ScenarioError> {
         let mut flight = Self::start(scenario, params, seed)?;
+        flight.world.is_watched = true;
         flight.recorder = Some(Recorder::start(log, flight.world.now(), &params, shadows));
         Ok(flight)
     }
@@ -119,7 +121,7 @@ impl<W: Write> Flight<W> {
             self.metrics.step(out, plant, self.mission.is_holding());
         }
         if let Some(recorder) = &mut self.recorder {
-            recorder.write(out, has_truth.then_some(plant));
+            recorder.write(&self.world.input, out, has_truth.then_some(plant));
         }
         self.events.extend(out.events.iter().map(|event| (time, *event)));
         out

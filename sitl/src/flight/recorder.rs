@@ -1,21 +1,23 @@
 //! The flight on disk: the firmware's own ULog, and the truth beside it.
 
+use super::recorder_inputs::InputTopics;
 use super::shadow::{Shadow, ShadowEstimators};
 use crate::plant::Plant;
 use nalgebra::UnitQuaternion;
 use std::io::{self, Write};
 use tautline_firmware::log::topics::{
-    EstimatorPosition, TetherTruth, VehicleAttitude, VehicleLocalPosition,
+    EstimatorPosition, TetherTruth, VehicleAngularVelocity, VehicleAttitude, VehicleLocalPosition,
 };
 use tautline_firmware::log::{FlightLog, MEDIUM, Topic};
 use tautline_firmware::param::Params;
 use tautline_firmware::time::Micros;
-use tautline_firmware::vehicle::StepOutput;
+use tautline_firmware::vehicle::{StepInput, StepOutput};
 
 /// Shadow estimators are written every so many steps.
 const SHADOW_PERIOD: u64 = 20;
 
 const ATTITUDE: &str = "vehicle_attitude_groundtruth";
+const RATE: &str = "vehicle_angular_velocity_groundtruth";
 const POSITION: &str = "vehicle_local_position_groundtruth";
 const TETHER: &str = "tether_state_groundtruth";
 
@@ -24,8 +26,10 @@ const TETHER: &str = "tether_state_groundtruth";
 pub struct Recorder<W: Write> {
     log: FlightLog,
     attitude: Topic,
+    rate: Topic,
     position: Topic,
     tether: Topic,
+    inputs: InputTopics,
     shadows: Vec<(Shadow, Topic)>,
     estimators: ShadowEstimators,
     out: W,
@@ -50,9 +54,12 @@ impl<W: Write> Recorder<W> {
             now,
             params,
             |ulog, sink| {
+                ulog.info("ver_hw", "SITL", sink);
                 ulog.define::<VehicleAttitude>(ATTITUDE, sink);
+                ulog.define::<VehicleAngularVelocity>(RATE, sink);
                 ulog.define::<VehicleLocalPosition>(POSITION, sink);
                 ulog.define::<TetherTruth>(TETHER, sink);
+                InputTopics::define(ulog, sink);
                 for shadow in shadows {
                     ulog.define::<EstimatorPosition>(shadow.topic(), sink);
                 }
@@ -60,23 +67,39 @@ impl<W: Write> Recorder<W> {
             &mut sink,
         );
         let attitude = log.ulog.subscribe(ATTITUDE, &mut sink);
+        let rate = log.ulog.subscribe(RATE, &mut sink);
         let position = log.ulog.subscribe(POSITION, &mut sink);
         let tether = log.ulog.subscribe(TETHER, &mut sink);
+        let inputs = InputTopics::subscribe(&mut log.ulog, params, &mut sink);
         let subscribe = |&shadow: &Shadow| (shadow, log.ulog.subscribe(shadow.topic(), &mut sink));
         let shadows = shadows.iter().map(subscribe).collect();
         let estimators = ShadowEstimators::new(params);
-        Self { log, attitude, position, tether, shadows, estimators, out, steps: 0, error }
+        Self {
+            log,
+            attitude,
+            rate,
+            position,
+            tether,
+            inputs,
+            shadows,
+            estimators,
+            out,
+            steps: 0,
+            error,
+        }
     }
 
-    /// One step and the truth at its end, where somebody knows it.
-    pub fn write(&mut self, out: &StepOutput, truth: Option<&Plant>) {
+    /// One step, what went into it, and the truth at its end, where somebody knows it.
+    pub fn write(&mut self, input: &StepInput, out: &StepOutput, truth: Option<&Plant>) {
         let (file, error) = (&mut self.out, &mut self.error);
         let mut sink = |bytes: &[u8]| put(file, error, bytes);
         let truth = truth.filter(|_| self.log.is_due(MEDIUM));
+        self.inputs.write(&mut self.log, input, out, &mut sink);
         self.log.write(out, &mut sink);
         if let Some(plant) = truth {
             let at = out.now.0;
             self.log.ulog.write(self.attitude, &true_attitude(at, plant), &mut sink);
+            self.log.ulog.write(self.rate, &true_rate(at, plant), &mut sink);
             self.log.ulog.write(self.position, &true_position(at, plant), &mut sink);
             self.log.ulog.write(self.tether, &true_tether(at, plant), &mut sink);
         }
@@ -118,6 +141,10 @@ fn true_attitude(timestamp: u64, plant: &Plant) -> VehicleAttitude {
     VehicleAttitude { timestamp, q: quaternion(&plant.body.attitude).map(|x| x as f32) }
 }
 
+fn true_rate(timestamp: u64, plant: &Plant) -> VehicleAngularVelocity {
+    VehicleAngularVelocity { timestamp, xyz: plant.body.rate.map(|x| x as f32).into() }
+}
+
 fn true_position(timestamp: u64, plant: &Plant) -> VehicleLocalPosition {
     let (p, v) = (&plant.from_anchor(), &plant.body.velocity);
     let (_, _, heading) = plant.body.attitude.euler_angles();
@@ -135,6 +162,9 @@ fn true_position(timestamp: u64, plant: &Plant) -> VehicleLocalPosition {
         dist_bottom: -p.z as f32,
         xy_valid: true,
         z_valid: true,
+        v_xy_valid: true,
+        v_z_valid: true,
+        dist_bottom_valid: true,
     }
 }
 

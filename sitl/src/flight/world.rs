@@ -29,6 +29,10 @@ pub struct World {
     uplink: Uplink,
     /// Somebody listens to the vehicle's telemetry.
     pub is_heard: bool,
+    /// Somebody reads [`Self::input`].
+    pub is_watched: bool,
+    /// What went into the last step, while somebody reads it.
+    pub input: StepInput,
 }
 
 impl World {
@@ -57,6 +61,8 @@ impl World {
             injection: Injection::new(params.system_id as u8),
             uplink: Uplink::new(seed),
             is_heard: true,
+            is_watched: false,
+            input: StepInput::default(),
         })
     }
 
@@ -201,6 +207,9 @@ impl World {
         input.sensors.line.station_tension = None;
         input.sensors.merge(self.environment.read());
         let out = self.vehicle.step(&input);
+        if self.is_watched {
+            self.input = input;
+        }
         self.environment.release_rod(out.mode);
         match self.motors.write(&out.actuation.throttle) {
             Ok(()) => {}

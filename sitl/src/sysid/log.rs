@@ -6,7 +6,6 @@ use crate::scenario::set_param;
 use crate::ulog::{Data, Log, Message, Value};
 use std::fs;
 use std::path::Path;
-use tautline_firmware::log::topics::mode_number;
 use tautline_firmware::param::Params;
 use tautline_firmware::supervisor::Mode;
 
@@ -103,7 +102,8 @@ impl Reader {
             }
             "battery_status" => self.voltage = Some(field(data, "voltage_v")?),
             "vehicle_status" => {
-                let by_stick = [Mode::Altitude, Mode::Stabilize].map(mode_number).map(f64::from);
+                let by_stick = [Mode::Altitude, Mode::Stabilize]
+                    .map(|mode| f64::from(mode.rule().nav_state()));
                 let counts = field(data, "ground_state")? == IN_AIR
                     && by_stick.contains(&field(data, "nav_state")?);
                 let time = field(data, "timestamp")? * 1e-6;
