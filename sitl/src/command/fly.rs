@@ -5,7 +5,7 @@ use super::console::Console;
 use super::network::{Network, NetworkOptions};
 use super::status::StatusLine;
 use crate::flight::{Address, Autopilot, Flight, Physics, Progress, Shadow};
-use crate::scenario::{Arithmetic, Scenario, Step, TetherKind, params_file, set_param};
+use crate::scenario::{Arithmetic, Scenario, Step, TetherKind, set_param};
 use clap::Args;
 use std::fs::{self, File};
 use std::io::BufWriter;
@@ -40,7 +40,7 @@ pub struct Options {
     /// Set a parameter (repeatable)
     #[arg(long, value_name = "NAME=VALUE", value_parser = assignment)]
     param: Vec<(String, f32)>,
-    /// Parameters from a file in QGroundControl's format
+    /// Parameters from a file of QGroundControl, Mission Planner or MAVProxy
     #[arg(long, value_name = "FILE")]
     params: Option<PathBuf>,
     /// What is simulated
@@ -133,7 +133,7 @@ fn parameters(options: &Options, scenario: &Scenario) -> Result<Params, Failure>
         set(&mut params, "FS_LINK_T", scaled as f32)?;
     }
     if let Some(file) = &options.params {
-        params_file::load(&mut params, file).map_err(Failure::Usage)?;
+        super::load_params(&mut params, file)?;
     }
     for (name, value) in &options.param {
         set(&mut params, name, *value)?;

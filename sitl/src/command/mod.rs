@@ -20,8 +20,11 @@ mod speed;
 mod status;
 mod sysid;
 
+use crate::scenario::params_file;
 use clap::{Parser, Subcommand};
+use std::path::Path;
 use std::process::ExitCode;
+use tautline_firmware::param::Params;
 
 /// What a command may end with: a message for the operator and an exit code.
 #[derive(Debug)]
@@ -70,6 +73,14 @@ enum Command {
     Params,
 }
 
+/// `--params`: what is passed over is told, and no reason to stop.
+fn load_params(params: &mut Params, file: &Path) -> Result<(), Failure> {
+    for warning in params_file::load(params, file).map_err(Failure::Usage)? {
+        eprintln!("warning: {warning}");
+    }
+    Ok(())
+}
+
 /// Runs the command line; bad options end with code 2.
 #[must_use]
 pub fn run() -> ExitCode {
@@ -96,11 +107,7 @@ pub fn run() -> ExitCode {
         Some(Command::Plot(options)) => plot::run(&options),
         Some(Command::Scenario(options)) => scenario::run(&options),
         Some(Command::Params) => {
-            say!(
-                "{}",
-                crate::scenario::params_file::to_text(&tautline_firmware::param::Params::default())
-                    .trim_end()
-            );
+            say!("{}", params_file::to_text(&Params::default()).trim_end());
             Ok(())
         }
     };

@@ -55,7 +55,7 @@ pub fn run(options: &Options) -> Result<(), Failure> {
         if is_log { from_log(&options.file, &mut before) } else { read_csv(&options.file) };
     let record = record.map_err(Failure::Usage)?;
     if let Some(path) = &options.params {
-        params_file::load(&mut before, path).map_err(Failure::Usage)?;
+        super::load_params(&mut before, path)?;
     }
     let range = pwm_range(options, &record).map_err(Failure::Usage)?;
     let named = |e: String| Failure::Usage(format!("{}: {e}", options.file.display()));
