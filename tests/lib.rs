@@ -77,7 +77,7 @@ seconds = 1000.0
 "#;
 
 /// Takes off to 5 m, holds for 40 s and lands.
-const UP_AND_DOWN: &str = r#"
+pub const UP_AND_DOWN: &str = r#"
 [[mission]]
 do = "arm"
 [[mission]]

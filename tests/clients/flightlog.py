@@ -3,7 +3,8 @@
 import numpy as np
 from pyulog import ULog
 
-HOLD, LAND = 2, 4
+# PX4's `nav_state`.
+HOLD, TAKEOFF, LAND = 4, 17, 18
 
 
 class FlightLog:
@@ -55,7 +56,7 @@ class FlightLog:
         return float(np.max(sink[low]))
 
     def modes(self):
-        """Row numbers of the mode table, in the order flown."""
+        """PX4's numbers, in the order flown."""
         nav = self.topics["vehicle_status"]["nav_state"]
         return [int(n) for i, n in enumerate(nav) if i == 0 or n != nav[i - 1]]
 

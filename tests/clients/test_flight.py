@@ -3,7 +3,7 @@
 import math
 
 import pytest
-from flightlog import HOLD, LAND, FlightLog
+from flightlog import HOLD, LAND, TAKEOFF, FlightLog
 from groundstation import MAV, GroundStation
 
 # A ground station fast enough for this factor: its heartbeats stay well under the arming check's 3 s.
@@ -55,7 +55,7 @@ def fly(sitl, tmp_path, wind, seed):
     assert code == 0, output
     log = FlightLog(vehicle.log())
     assert log.is_whole() and log.is_disarmed_at_end()
-    assert log.modes()[-3:] == [HOLD, LAND, HOLD]
+    assert log.modes() == [HOLD, TAKEOFF, HOLD, LAND, HOLD]
     horizontal, vertical = log.hold_rms(begin, end)
     figures = {
         "horizontal": horizontal,
