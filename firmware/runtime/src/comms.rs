@@ -2,8 +2,7 @@
 
 use crate::inbox::Inbox;
 use heapless::String;
-use tautline_firmware::log::FlightLog;
-pub use tautline_firmware::log::STEP_BYTES;
+use tautline_firmware::log::{self, FlightLog};
 use tautline_firmware::mavlink::{Connection, Identity, is_to_reboot};
 use tautline_firmware::param::Params;
 use tautline_firmware::signal::Severity;
@@ -109,6 +108,9 @@ impl<const PORTS: usize> Comms<PORTS> {
         self.log.write(out, &self.params, file);
     }
 }
+
+/// Room at which a log that was full goes on, bytes: twice what a step may have to say, so that the next fits too.
+pub const STEP_BYTES: usize = 2 * log::STEP_BYTES;
 
 /// What a log is told.
 pub struct LogFile<'a> {

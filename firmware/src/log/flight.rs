@@ -1,7 +1,7 @@
 //! The vehicle's topics in the log.
 
 use super::topics as t;
-use super::ulog::{Record, Sink, Topic, Ulog, message_bytes};
+use super::ulog::{Record, Sink, Topic, Ulog};
 use crate::model::{Rotors, thrust_max};
 use crate::param::{ALIASES, Kind, META, Params};
 use crate::signal::{EVENTS_MAX, TEXT_MAX};
@@ -74,7 +74,7 @@ macro_rules! flight_topics {
         /// More than all that one step may have to say, bytes: every topic, a gap before and the events.
         pub const STEP_BYTES: usize = {
             const EVENT: usize = 12 + TEXT_MAX;
-            0 $(+ message_bytes(t::$topic::FIELDS))+ + EVENTS_MAX * EVENT + 5
+            0 $(+ t::$topic::BYTES)+ + EVENTS_MAX * EVENT + 5
         };
 
         fn define(ulog: &mut Ulog, sink: Sink) {

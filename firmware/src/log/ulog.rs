@@ -9,7 +9,7 @@ pub type Sink<'a> = &'a mut dyn FnMut(&[u8]);
 /// Longest message body.
 const MAX_BODY: usize = 512;
 /// Size and kind of a message.
-const HEAD: usize = 3;
+pub(super) const HEAD: usize = 3;
 /// The package's version as PX4 counts: a byte each for major, minor, patch, and 64 for an early version.
 const RELEASE: u32 = u32::from_be_bytes([
     number(env!("CARGO_PKG_VERSION_MAJOR")),
@@ -104,25 +104,14 @@ pub struct FieldMeta {
     pub length: Option<u8>,
     /// Its name.
     pub name: &'static str,
-    /// Bytes in a sample.
-    pub size: usize,
-}
-
-/// Bytes of a message of a topic with these fields.
-#[must_use]
-pub const fn message_bytes(fields: &[FieldMeta]) -> usize {
-    let (mut rest, mut size) = (fields, HEAD + 2);
-    while let [field, more @ ..] = rest {
-        size += field.size;
-        rest = more;
-    }
-    size
 }
 
 /// What a topic is made of.
 pub trait Record {
     /// Its fields, the time stamp first.
     const FIELDS: &'static [FieldMeta];
+    /// Of a message with one, head and topic included.
+    const BYTES: usize;
     /// The fields in that order.
     fn encode(&self, out: &mut Body);
 }
@@ -145,14 +134,14 @@ macro_rules! record {
         }
         impl $crate::log::Record for $name {
             const FIELDS: &'static [$crate::log::FieldMeta] = &[
-                $crate::log::FieldMeta { kind: "uint64_t", length: None, name: "timestamp", size: 8 },
+                $crate::log::FieldMeta { kind: "uint64_t", length: None, name: "timestamp" },
                 $($crate::log::FieldMeta {
                     kind: <$t as $crate::log::Field>::TYPE,
                     length: <$t as $crate::log::Field>::LENGTH,
                     name: stringify!($field),
-                    size: size_of::<$t>(),
                 },)+
             ];
+            const BYTES: usize = $crate::log::ulog::HEAD + 2 + 8 $(+ size_of::<$t>())+;
             fn encode(&self, out: &mut $crate::log::ulog::Body) {
                 $crate::log::Field::put(&self.timestamp, out);
                 $($crate::log::Field::put(&self.$field, out);)+
