@@ -47,7 +47,7 @@ pub const IMAGES: [Image; 5] = [
         target: M4F,
         flight: "CAN1_SCE",
         chip: "STM32F405RG",
-        flash: 384 * KIB,
+        flash: 404 * KIB,
         ram: 64 * KIB,
     },
     Image {
@@ -58,7 +58,7 @@ pub const IMAGES: [Image; 5] = [
         target: M4F,
         flight: "CAN1_SCE",
         chip: "STM32F405RG",
-        flash: 224 * KIB,
+        flash: 256 * KIB,
         ram: 64 * KIB,
     },
     Image {
@@ -69,7 +69,7 @@ pub const IMAGES: [Image; 5] = [
         target: M4F,
         flight: "CAN1_SCE",
         chip: "STM32F405RG",
-        flash: 384 * KIB,
+        flash: 404 * KIB,
         ram: 64 * KIB,
     },
     Image {
@@ -80,7 +80,7 @@ pub const IMAGES: [Image; 5] = [
         target: M4F,
         flight: "FDCAN1_IT0",
         chip: "STM32H743VI",
-        flash: 388 * KIB,
+        flash: 420 * KIB,
         ram: 80 * KIB,
     },
     Image {
@@ -91,7 +91,7 @@ pub const IMAGES: [Image; 5] = [
         target: M4F,
         flight: "CAN1_SCE",
         chip: "",
-        flash: 384 * KIB,
+        flash: 404 * KIB,
         ram: 64 * KIB,
     },
 ];
