@@ -220,24 +220,30 @@ impl World {
         if self.is_heard {
             self.connection.transmit(out, params, send);
         }
-        let files = self.links.files.clone();
+        if self.links.count() > 0 {
+            self.speak();
+        }
+        if is_to_reboot(self.vehicle.output()) {
+            self.reboot();
+        }
+        self.vehicle.output()
+    }
+
+    /// What vehicle, winch and services have for everybody outside.
+    fn speak(&mut self) {
+        let (out, params) = (self.vehicle.output(), self.vehicle.params());
+        let (files, now_us) = (self.links.files.clone(), self.environment.now().0);
         let host = Host { files: &files, params, out, faults: &[] };
         let Environment { winch, plant, .. } = &mut self.environment;
-        if self.links.count() > 0 {
-            winch.tell(now.0, plant, &mut |frame| {
-                self.links.iter_mut().for_each(|peer| peer.write(frame));
-            });
-        }
+        winch.tell(now_us, plant, &mut |frame| {
+            self.links.iter_mut().for_each(|peer| peer.write(frame));
+        });
         let mut signing = self.links.signing.take();
         for peer in self.links.iter_mut() {
             peer.transmit(out, params, &mut signing);
             peer.transfer(&host);
         }
         self.links.signing = signing;
-        if is_to_reboot(out) {
-            self.reboot();
-        }
-        self.vehicle.output()
     }
 }
 

@@ -144,10 +144,10 @@ impl Links {
         all.fold(self.past, ConnectionCounters::plus)
     }
 
-    /// How many have spoken.
+    /// How many there are, whether they have spoken or not.
     #[must_use]
     pub fn count(&self) -> usize {
-        self.peers.iter().filter(|peer| peer.heard_at.is_some()).count()
+        self.peers.len()
     }
 }
 
