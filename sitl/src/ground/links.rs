@@ -5,7 +5,9 @@ use std::collections::VecDeque;
 use std::mem::swap;
 use std::net::SocketAddr;
 use std::time::{Duration, Instant};
-use tautline_firmware::mavlink::{Connection, ConnectionCounters, Identity, Signing};
+use tautline_firmware::mavlink::{
+    COMPONENT_AUTOPILOT, Connection, ConnectionCounters, Identity, Signing,
+};
 use tautline_firmware::param::Params;
 use tautline_firmware::time::Micros;
 use tautline_firmware::vehicle::StepOutput;
@@ -211,8 +213,9 @@ impl Peer {
 
     /// A frame for it; who has not answered yet is only called.
     pub fn write(&mut self, frame: &[u8]) {
-        const HEARTBEAT: &[u8] = &[0, 0, 0];
-        if self.heard_at.is_some() || frame.get(7..10) == Some(HEARTBEAT) {
+        // Of the autopilot: component and message.
+        const HEARTBEAT: &[u8] = &[COMPONENT_AUTOPILOT, 0, 0, 0];
+        if self.heard_at.is_some() || frame.get(6..10) == Some(HEARTBEAT) {
             self.outbox.push(frame.to_vec());
         }
     }
