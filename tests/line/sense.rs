@@ -120,9 +120,10 @@ fn a_load_cell_counts_once_it_is_calibrated() {
 #[test]
 fn a_field_is_cleared_of_iron_and_of_the_current() {
     let params = Params {
-        mag_bias_x: 6.0,
+        // 6 µT and 0.5 µT/A, as PX4 counts them.
+        mag_bias_x: 0.06,
         mag_scale_y: 1.5,
-        mag_current_z: 0.5,
+        mag_current_z: 5.0,
         battery_divider: 11.0,
         battery_amps_per_volt: 10.0,
         ..aligned()

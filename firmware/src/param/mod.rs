@@ -200,6 +200,10 @@ macro_rules! params {
 use params;
 
 #[cfg(test)]
+#[path = "px4_names.rs"]
+mod px4_names;
+
+#[cfg(test)]
 mod tests {
     use super::*;
 

@@ -84,23 +84,23 @@ params! {
         /// Elevation that the station's encoder shows where the line leaves level.
         station_elevation_zero: "STN_EL_OFF" Real ["rad"] = 0.0 in -1.6 ..= 1.6;
         /// Magnetometer offset (hard iron), nose axis.
-        mag_bias_x: "CAL_MAG0_XOFF" Real ["uT"] = 0.0 in -500.0 ..= 500.0;
+        mag_bias_x: "CAL_MAG0_XOFF" Real ["gauss"] = 0.0 in -5.0 ..= 5.0;
         /// Magnetometer offset (hard iron), right-hand axis.
-        mag_bias_y: "CAL_MAG0_YOFF" Real ["uT"] = 0.0 in -500.0 ..= 500.0;
+        mag_bias_y: "CAL_MAG0_YOFF" Real ["gauss"] = 0.0 in -5.0 ..= 5.0;
         /// Magnetometer offset (hard iron), down axis.
-        mag_bias_z: "CAL_MAG0_ZOFF" Real ["uT"] = 0.0 in -500.0 ..= 500.0;
+        mag_bias_z: "CAL_MAG0_ZOFF" Real ["gauss"] = 0.0 in -5.0 ..= 5.0;
         /// Magnetometer scale (soft iron), nose axis.
         mag_scale_x: "CAL_MAG0_XSCALE" Real [""] = 1.0 in 0.5 ..= 2.0;
         /// Magnetometer scale (soft iron), right-hand axis.
         mag_scale_y: "CAL_MAG0_YSCALE" Real [""] = 1.0 in 0.5 ..= 2.0;
         /// Magnetometer scale (soft iron), down axis.
         mag_scale_z: "CAL_MAG0_ZSCALE" Real [""] = 1.0 in 0.5 ..= 2.0;
-        /// Field of the current that the vehicle draws, per ampere, nose axis.
-        mag_current_x: "CAL_MAG0_XCOMP" Real ["uT/A"] = 0.0 in -10.0 ..= 10.0;
-        /// Field of the current that the vehicle draws, per ampere, right-hand axis.
-        mag_current_y: "CAL_MAG0_YCOMP" Real ["uT/A"] = 0.0 in -10.0 ..= 10.0;
-        /// Field of the current that the vehicle draws, per ampere, down axis.
-        mag_current_z: "CAL_MAG0_ZCOMP" Real ["uT/A"] = 0.0 in -10.0 ..= 10.0;
+        /// Field of the current that the vehicle draws, nose axis.
+        mag_current_x: "CAL_MAG0_XCOMP" Real ["G/kA"] = 0.0 in -100.0 ..= 100.0;
+        /// Field of the current that the vehicle draws, right-hand axis.
+        mag_current_y: "CAL_MAG0_YCOMP" Real ["G/kA"] = 0.0 in -100.0 ..= 100.0;
+        /// Field of the current that the vehicle draws, down axis.
+        mag_current_z: "CAL_MAG0_ZCOMP" Real ["G/kA"] = 0.0 in -100.0 ..= 100.0;
         /// Rangefinder below the centre of mass.
         range_offset: "RNG_POS_Z" Real ["m"] = 0.03 in -0.5 ..= 0.5;
         /// Rangefinder distance beyond which the barometer takes over.

@@ -54,6 +54,10 @@ pub(super) struct LineState<S: Scalar> {
     is_used: bool,
 }
 
+/// PX4's units of a magnetometer's calibration, µT and µT/A.
+const GAUSS: f32 = 100.0;
+const GAUSS_PER_KILOAMPERE: f32 = 0.1;
+
 impl<S: Scalar> LineSense<S> {
     pub fn new(p: &Params, calibration: Calibration<S>, check: ImuCheck) -> Self {
         Self {
@@ -61,9 +65,10 @@ impl<S: Scalar> LineSense<S> {
             angle_sign: [p.line_angle_sign_x, p.line_angle_sign_y],
             newton_per_count: p.line_cell_scale,
             tension_zero: p.line_cell_zero,
-            field_zero: [p.mag_bias_x, p.mag_bias_y, p.mag_bias_z],
+            field_zero: [p.mag_bias_x, p.mag_bias_y, p.mag_bias_z].map(|x| x * GAUSS),
             field_scale: [p.mag_scale_x, p.mag_scale_y, p.mag_scale_z],
-            field_per_ampere: [p.mag_current_x, p.mag_current_y, p.mag_current_z],
+            field_per_ampere: [p.mag_current_x, p.mag_current_y, p.mag_current_z]
+                .map(|x| x * GAUSS_PER_KILOAMPERE),
             fairlead_zero: [p.station_azimuth_zero, p.station_elevation_zero],
             calibration,
             check,
