@@ -8,7 +8,7 @@ use crate::plant::Plant;
 use mavlink::MessageData;
 use mavlink::dialects::common::{
     COMMAND_ACK_DATA, COMMAND_INT_DATA, COMMAND_LONG_DATA, HEARTBEAT_DATA, MavAutopilot, MavCmd,
-    MavResult, MavState, MavType, MavWinchStatusFlag, WINCH_STATUS_DATA,
+    MavModeFlag, MavResult, MavState, MavType, MavWinchStatusFlag, WINCH_STATUS_DATA,
 };
 use tautline_firmware::mavlink::{Frame, Parser};
 
@@ -190,6 +190,8 @@ impl Winch {
             send(&self.sender.frame(&HEARTBEAT_DATA {
                 mavtype: MavType::MAV_TYPE_WINCH,
                 autopilot: MavAutopilot::MAV_AUTOPILOT_INVALID,
+                // The crate's default is an armed one.
+                base_mode: MavModeFlag::empty(),
                 system_status: MavState::MAV_STATE_ACTIVE,
                 mavlink_version: 3,
                 ..HEARTBEAT_DATA::default()

@@ -88,7 +88,8 @@ impl Session {
         set(position, out.estimate.position.is_some());
         set(attitude, out.estimate.is_levelled);
         set(battery_bit, out.sensors.battery.is_some());
-        set(fence, params.has_fence() && !is_breached(out));
+        // Some clients look at the health of a fence that is not there.
+        set(fence, !is_breached(out));
         set(prearm, out.is_armable || out.is_armed);
         let battery = out.sensors.battery.unwrap_or_default();
         let m = mav::SYS_STATUS_DATA {
@@ -136,6 +137,8 @@ impl Session {
         let capabilities = C::MAV_PROTOCOL_CAPABILITY_PARAM_FLOAT
             | C::MAV_PROTOCOL_CAPABILITY_PARAM_ENCODE_BYTEWISE
             | C::MAV_PROTOCOL_CAPABILITY_COMMAND_INT
+            // Without it clients do not even ask for the empty mission.
+            | C::MAV_PROTOCOL_CAPABILITY_MISSION_INT
             | C::MAV_PROTOCOL_CAPABILITY_SET_POSITION_TARGET_LOCAL_NED
             | C::MAV_PROTOCOL_CAPABILITY_SET_POSITION_TARGET_GLOBAL_INT
             | C::MAV_PROTOCOL_CAPABILITY_SET_ATTITUDE_TARGET

@@ -63,9 +63,10 @@ struct Burst {
     left: u32,
 }
 
-/// The one session.
+/// The one session, by the number that its client gave it.
 #[derive(Debug, Default)]
 pub struct Ftp {
+    session: u8,
     open: Option<Open>,
     burst: Option<Burst>,
 }
@@ -120,14 +121,14 @@ impl Ftp {
             OPEN => match host.files.open(name, host.params) {
                 Some(open) => {
                     let size = open.size().to_le_bytes().to_vec();
-                    *self = Self { open: Some(open), burst: None };
+                    *self = Self { session: request.session, open: Some(open), burst: None };
                     Ok(size)
                 }
                 None => Err(Wrong::NotFound),
             },
             READ => self.read(request.session, request.offset, size),
             BURST_READ => {
-                if self.open.is_some() && request.session == 0 {
+                if self.open.is_some() && request.session == self.session {
                     let size = if size == 0 { DATA } else { size };
                     self.burst = Some(Burst { request, size, left: BURST });
                     return;
@@ -148,7 +149,8 @@ impl Ftp {
     }
 
     fn read(&mut self, session: u8, offset: u32, size: usize) -> Result<Vec<u8>, Wrong> {
-        let open = self.open.as_mut().filter(|_| session == 0).ok_or(Wrong::InvalidSession)?;
+        let is_open = session == self.session;
+        let open = self.open.as_mut().filter(|_| is_open).ok_or(Wrong::InvalidSession)?;
         let mut data = vec![0; size.min(DATA)];
         let count = open.read(offset, &mut data).map_err(|_| Wrong::Failed)?;
         if count == 0 {
