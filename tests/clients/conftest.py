@@ -26,8 +26,8 @@ def sitl_binary():
 class Sitl:
     """A running simulator."""
 
-    def __init__(self, log_dir, *arguments):
-        self.instance = next(INSTANCES)
+    def __init__(self, log_dir, *arguments, instance=None):
+        self.instance = next(INSTANCES) if instance is None else instance
         self.log_dir = log_dir
         command = [sitl_binary(), "--instance", str(self.instance), "--log-dir", log_dir, *map(str, arguments)]
         self.process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
@@ -64,8 +64,8 @@ class Sitl:
 def sitl(tmp_path):
     running = []
 
-    def start(*arguments):
-        running.append(Sitl(tmp_path, *arguments))
+    def start(*arguments, **options):
+        running.append(Sitl(tmp_path, *arguments, **options))
         return running[-1]
 
     yield start
