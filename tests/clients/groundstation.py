@@ -21,10 +21,10 @@ ATTEMPTS = 5
 
 
 class GroundStation:
-    def __init__(self, port, heartbeat_period=0.05):
+    def __init__(self, port, heartbeat_period=0.05, dialect="common"):
         """At a UDP port, or at an address as pymavlink writes them."""
         address = f"udpin:127.0.0.1:{port}" if isinstance(port, int) else port
-        self.link = mavutil.mavlink_connection(address, source_system=255, dialect="common", retries=30)
+        self.link = mavutil.mavlink_connection(address, source_system=255, dialect=dialect, retries=30)
         self.texts = []
         self.alive = True
         self.lock = threading.Lock()
