@@ -7,6 +7,7 @@ import socket
 import struct
 import time
 
+import pytest
 from flightlog import LAND, FlightLog
 from groundstation import HOLD, MAV, NAN, GroundStation
 
@@ -122,3 +123,17 @@ def test_every_command_is_acknowledged_and_services_answer(sitl):
     output, code = vehicle.end()
     station.close()
     assert code == 0 and os.path.exists(vehicle.log()), output
+
+
+@pytest.mark.xfail(strict=True, reason="the winch's HEARTBEAT has base_mode 128 (SAFETY_ARMED) where it should be 0")
+def test_only_the_vehicle_says_whether_it_is_armed(sitl):
+    """Some clients, as DroneKit, believe every component of the system."""
+    vehicle = sitl("--speedup", "4")
+    station = GroundStation(vehicle.program_port)
+    heard = {}
+    while len(heard) < 2:
+        beat = station.receive("HEARTBEAT")
+        heard[beat.get_srcComponent()] = beat.base_mode & MAV.MAV_MODE_FLAG_SAFETY_ARMED
+    station.close()
+    vehicle.end()
+    assert heard == {1: 0, 169: 0}
