@@ -1,6 +1,8 @@
 """Every call of MAVSDK ends: done, or refused with a name. None hangs, and none that the vehicle can answer times out."""
 
 import asyncio
+import tempfile
+from enum import Enum
 
 import pytest
 from calls import DONE, first, last, outcomes
@@ -23,6 +25,8 @@ ITEM = MissionItem(
 )
 RAW = RawItem(0, 6, 16, 1, 1, 0, 0, 0, NAN, 473977500, 85456000, 5.0, 0)
 SILENCE = "TIMEOUT"
+SCRATCH = tempfile.TemporaryDirectory()
+FETCHED = f"{SCRATCH.name}/."
 DOWNLOADS = "AUTOPILOT_VERSION lacks MAV_PROTOCOL_CAPABILITY_MISSION_INT (4), so MAVSDK never asks for the empty list"
 
 STREAMS = """position home in_air landed_state armed attitude_quaternion attitude_euler attitude_angular_velocity_body
@@ -35,9 +39,17 @@ health""".split()
 NO_RATES = "gps_info raw_gps actuator_control_target ground_truth raw_imu".split()
 
 
+def label(argument):
+    if isinstance(argument, Enum):
+        return argument.name
+    # Of a path on this machine its end, of an object its class.
+    is_plain = isinstance(argument, int | float | str)
+    return str(argument).strip().split("/")[-1] if is_plain else type(argument).__name__
+
+
 def of(plugin, method, expected, *arguments, call=None):
     """A row: its name, the call, what it ends in."""
-    name = f"{plugin}.{method}" + (f"{arguments}" if arguments else "")
+    name = " ".join([f"{plugin}.{method}", *map(label, arguments)])
 
     def run(drone):
         bound = getattr(getattr(drone, plugin), method)
@@ -107,8 +119,8 @@ CALLS = [
     of("log_files", "get_entries", DONE),
     of("ftp", "list_directory", DONE, "/"),
     of("ftp", "list_directory", "FILE_DOES_NOT_EXIST", "/nosuch"),
-    of("ftp", "download", "FILE_DOES_NOT_EXIST", "/nosuch", ".", False, call=whole),
-    of("ftp", "download", "FILE_DOES_NOT_EXIST", "/nosuch", ".", True, call=whole),
+    of("ftp", "download", "FILE_DOES_NOT_EXIST", "/nosuch", FETCHED, False, call=whole),
+    of("ftp", "download", "FILE_DOES_NOT_EXIST", "/nosuch", FETCHED, True, call=whole),
     of("ftp", "upload", "FILE_PROTECTED", __file__, "/", call=whole),
     of("ftp", "create_directory", "FILE_PROTECTED", "/x"),
     of("ftp", "remove_directory", "FILE_PROTECTED", "/log"),
@@ -161,6 +173,7 @@ CALLS = [
     of("action", "reboot", DONE),
     of("action", "shutdown", "UNSUPPORTED"),
 ]
+assert len({name for name, _, _ in CALLS}) == len(CALLS), "a name for each"
 FAULTY = {
     name: DOWNLOADS for name, _, _ in CALLS if name.startswith("mission") and ".download_" in name
 }
@@ -184,7 +197,7 @@ def ended(tmp_path_factory):
 def row(name, _, expected):
     fault = FAULTY.get(name)
     marks = [pytest.mark.xfail(strict=True, reason=fault)] if fault else []
-    return pytest.param(name, expected, id=name.replace("\n", ""), marks=marks)
+    return pytest.param(name, expected, id=name, marks=marks)
 
 
 @pytest.mark.parametrize("name, expected", [row(*entry) for entry in CALLS])
