@@ -116,12 +116,17 @@ class GroundStation:
         bit = MAV.MAV_SYS_STATUS_PREARM_CHECK
         self.until(lambda m: m.onboard_control_sensors_health & bit, ["SYS_STATUS"], timeout, "armable")
 
+    def until_beat(self, condition, timeout, what):
+        """Of the autopilot: the winch has a heartbeat too."""
+        own = MAV.MAV_COMP_ID_AUTOPILOT1
+        self.until(lambda m: m.get_srcComponent() == own and condition(m), ["HEARTBEAT"], timeout, what)
+
     def wait_mode(self, custom_mode, timeout=120.0):
-        self.until(lambda m: m.custom_mode == custom_mode, ["HEARTBEAT"], timeout, f"mode {custom_mode:#x}")
+        self.until_beat(lambda m: m.custom_mode == custom_mode, timeout, f"mode {custom_mode:#x}")
 
     def wait_armed(self, armed, timeout=120.0):
         bit = MAV.MAV_MODE_FLAG_SAFETY_ARMED
-        self.until(lambda m: bool(m.base_mode & bit) == armed, ["HEARTBEAT"], timeout, f"armed {armed}")
+        self.until_beat(lambda m: bool(m.base_mode & bit) == armed, timeout, f"armed {armed}")
 
     def parameters(self):
         """All parameters by name: the list, then one by one whatever of it was lost."""

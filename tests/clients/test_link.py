@@ -7,7 +7,6 @@ import socket
 import struct
 import time
 
-import pytest
 from flightlog import LAND, FlightLog
 from groundstation import HOLD, MAV, NAN, GroundStation
 
@@ -125,7 +124,6 @@ def test_every_command_is_acknowledged_and_services_answer(sitl):
     assert code == 0 and os.path.exists(vehicle.log()), output
 
 
-@pytest.mark.xfail(strict=True, reason="the winch's HEARTBEAT has base_mode 128 (SAFETY_ARMED) where it should be 0")
 def test_only_the_vehicle_says_whether_it_is_armed(sitl):
     """Some clients, as DroneKit, believe every component of the system."""
     vehicle = sitl("--speedup", "4")

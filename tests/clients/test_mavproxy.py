@@ -70,16 +70,9 @@ def test_mavproxy_flies_by_what_is_typed(flight):
     assert "Landed, disarmed" in output
 
 
-@pytest.mark.xfail(
-    strict=True,
-    reason="FTP acknowledges OpenFileRO of session 4 with session 4, and refuses to read it: InvalidSession",
-)
 def test_mavproxy_has_its_parameters_by_ftp(flight):
     assert re.search(r"Received \d+ parameters \(ftp\)", flight[0])
 
 
-@pytest.mark.xfail(
-    strict=True, reason="SYS_STATUS without GEOFENCE (0x100000) in its health while nothing is beyond the fence"
-)
 def test_mavproxy_sees_no_fence_breached(flight):
     assert "fence breach" not in flight[0]

@@ -27,7 +27,6 @@ RAW = RawItem(0, 6, 16, 1, 1, 0, 0, 0, NAN, 473977500, 85456000, 5.0, 0)
 SILENCE = "TIMEOUT"
 SCRATCH = tempfile.TemporaryDirectory()
 FETCHED = f"{SCRATCH.name}/."
-DOWNLOADS = "AUTOPILOT_VERSION lacks MAV_PROTOCOL_CAPABILITY_MISSION_INT (4), so MAVSDK never asks for the empty list"
 
 STREAMS = """position home in_air landed_state armed attitude_quaternion attitude_euler attitude_angular_velocity_body
 velocity_ned battery flight_mode health odometry position_velocity_ned imu scaled_imu heading altitude
@@ -175,8 +174,6 @@ CALLS = [
     of("action", "shutdown", "UNSUPPORTED"),
 ]
 assert len({name for name, _, _ in CALLS}) == len(CALLS), "a name for each"
-FAULTY = {name: DOWNLOADS for name, _, _ in CALLS if ".download_" in name}
-
 
 @pytest.fixture(scope="module")
 def ended(tmp_path_factory):
@@ -194,9 +191,7 @@ def ended(tmp_path_factory):
 
 
 def row(name, _, expected):
-    fault = FAULTY.get(name)
-    marks = [pytest.mark.xfail(strict=True, reason=fault)] if fault else []
-    return pytest.param(name, expected, id=name, marks=marks)
+    return pytest.param(name, expected, id=name)
 
 
 @pytest.mark.parametrize("name, expected", [row(*entry) for entry in CALLS])
