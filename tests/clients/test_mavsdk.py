@@ -164,7 +164,7 @@ def test_mavsdk_works_the_winch(sitl):
         async def length(condition):
             return await first(drone.winch.status(), lambda status: condition(status.line_length_m))
 
-        await take_off(drone)
+        # On the ground: in the air a vehicle whose line is hauled about may come down by itself.
         before = (await length(lambda _: True)).line_length_m
         await drone.winch.lock(1)
         await first(drone.winch.status(), lambda status: status.status_flags.locked)
@@ -174,9 +174,6 @@ def test_mavsdk_works_the_winch(sitl):
         await length(lambda now: now < before + 0.2)
         await drone.winch.retract(1)
         await drone.winch.relax(1)
-        # The tension again, before the line counts as slack and the vehicle comes down by itself.
         await drone.winch.rate_control(1, 0.0)
-        await drone.action.land()
-        await disarmed(drone)
 
     flown(sitl, fly)
