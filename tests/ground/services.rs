@@ -118,6 +118,7 @@ fn files_are_read_and_nothing_is_written() {
     }
     assert_eq!(refusal(4, "/etc/passwd"), 10);
     assert_eq!(refusal(4, "/log/../../etc/passwd"), 10);
+    assert_eq!(refusal(4, "/log/"), 10, "a folder is no file");
     assert_eq!(refusal(3, "/nowhere"), 10);
     assert_eq!(refusal(5, ""), 4, "nothing is open");
     assert_eq!(refusal(99, "x"), 7);

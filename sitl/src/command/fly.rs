@@ -326,6 +326,9 @@ fn finish(
         counters.overflowed,
     );
     let unsent = network.map_or(Ok(0), |network| network.close(&world.links))?;
+    if world.links.dropped > 0 {
+        say!("{} datagrams dropped: too many peers, or too many of one.", world.links.dropped);
+    }
     if unsent > 0 {
         say!("{unsent} datagrams could not be sent.");
     }

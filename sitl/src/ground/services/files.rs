@@ -128,7 +128,8 @@ impl Files {
             return metadata::file(file).map(Open::Bytes);
         }
         let file = name.strip_prefix(&format!("{LOGS}/"))?;
-        let log = self.logs().into_iter().find(|log| log.path.ends_with(file))?;
+        let is_it = |log: &Log| log.path.file_name().is_some_and(|name| name == file);
+        let log = self.logs().into_iter().find(is_it)?;
         Some(Open::Disk(File::open(log.path).ok()?, log.size))
     }
 
