@@ -56,6 +56,15 @@ impl Body {
         self.bytes(b" ");
         self.bytes(name.as_bytes());
     }
+    /// A text with its key.
+    fn words(&mut self, key: &str, value: &str) {
+        let mut kind = Self::default();
+        kind.bytes(b"char[");
+        kind.digits(value.len() as u8);
+        kind.bytes(b"]");
+        self.keyed(&kind.0, key);
+        self.bytes(value.as_bytes());
+    }
     fn digits(&mut self, n: u8) {
         if n >= 10 {
             self.digits(n / 10);
@@ -190,14 +199,21 @@ impl Ulog {
 
     /// A fact about the vehicle or its firmware, in words.
     pub fn info(&mut self, key: &str, value: &str, sink: Sink) {
-        self.message(b'I', sink, &mut |body| {
-            let mut kind = Body::default();
-            kind.bytes(b"char[");
-            kind.digits(value.len() as u8);
-            kind.bytes(b"]");
-            body.keyed(&kind.0, key);
-            body.bytes(value.as_bytes());
-        });
+        self.message(b'I', sink, &mut |body| body.words(key, value));
+    }
+
+    /// A fact in more words than one message holds.
+    pub fn long_info(&mut self, key: &str, value: &str, sink: Sink) {
+        const PART: usize = 200;
+        let (mut rest, mut is_more) = (value, false);
+        while !rest.is_empty() {
+            let (part, after) = rest.split_at(rest.floor_char_boundary(PART));
+            self.message(b'M', sink, &mut |body| {
+                body.bytes(&[u8::from(is_more)]);
+                body.words(key, part);
+            });
+            (rest, is_more) = (after, true);
+        }
     }
 
     /// A fact in numbers.

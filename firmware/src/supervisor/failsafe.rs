@@ -148,6 +148,8 @@ pub struct Failsafes {
 pub struct Failsafe {
     /// What failed.
     pub failure: Failure,
+    /// As programs read it.
+    pub name: &'static str,
     /// What the operator reads; at most 50 bytes.
     pub text: &'static str,
     /// Whether it is present.

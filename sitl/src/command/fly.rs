@@ -3,8 +3,9 @@
 use super::Failure;
 use super::console::Console;
 use super::network::{Network, NetworkOptions};
+use super::outcome;
 use super::status::StatusLine;
-use crate::flight::{Address, Autopilot, Flight, Physics, Progress, Shadow};
+use crate::flight::{Address, Autopilot, Flight, Physics, Progress, Shadow, World};
 use crate::scenario::{Arithmetic, Scenario, Step, TetherKind, set_param};
 use clap::Args;
 use std::fs::{self, File};
@@ -61,6 +62,9 @@ pub struct Options {
     /// Estimators that run beside, in the log: nothing flies on them
     #[arg(long, value_name = "LIST", value_delimiter = ',')]
     beside: Vec<Shadow>,
+    /// Print the verdict, one JSON object, as the last line instead of the table
+    #[arg(long)]
+    json: bool,
     /// Where logs go
     #[arg(long, value_name = "DIR", default_value = "logs")]
     log_dir: PathBuf,
@@ -234,7 +238,7 @@ pub fn run(options: &Options) -> Result<(), Failure> {
     simulate(options, &mut flight, network.as_mut(), &stop)?;
     let physics = flight.world.environment.physics.as_ref();
     let failure = physics.and_then(Physics::failure).map(|why| Failure::Run(why.to_owned()));
-    let finished = finish(flight, network, began, &path);
+    let finished = finish(options, flight, network, began, &path);
     failure.map_or(finished, Err)
 }
 
@@ -289,9 +293,12 @@ fn simulate(
             network.send(&mut flight.world.links)?;
         }
         for (time, event) in flight.events.iter().skip(printed) {
-            status.print(&format!("{time:7.1} s  {event}"));
+            status.tell(*time, &event.to_string());
         }
         printed = flight.events.len();
+        if let Some(why) = flight.log_trouble() {
+            status.print(&format!("error: the log has ended: {why}"));
+        }
         if !options.headless {
             status.show(&flight.world, flight.output());
         }
@@ -302,49 +309,55 @@ fn simulate(
             }
         }
     }
-    status.close();
+    status.finish();
     Ok(())
 }
 
 fn finish(
+    options: &Options,
     mut flight: Flight<BufWriter<File>>,
     network: Option<Network>,
     began: Instant,
     path: &Path,
 ) -> Result<(), Failure> {
     let (simulated, real) = (flight.world.time(), began.elapsed().as_secs_f64());
-    let world = &flight.world;
-    let counters = world.connection.counters().plus(world.links.counters());
-    say!(
-        "{simulated:.1} s simulated in {real:.1} s ({:.0} x). MAVLink: {} received, {} sent, {} frames and {} bytes dropped, {} refused, {} queue overflows.",
-        simulated / real.max(1e-3),
-        counters.received,
-        counters.sent,
-        counters.bad_frames,
-        counters.garbage_bytes,
-        counters.refused,
-        counters.overflowed,
-    );
-    let unsent = network.map_or(Ok(0), |network| network.close(&world.links))?;
-    if world.links.dropped > 0 {
-        say!("{} datagrams dropped: too many peers, or too many of one.", world.links.dropped);
-    }
-    if unsent > 0 {
-        say!("{unsent} datagrams could not be sent.");
-    }
+    say!("{simulated:.1} s simulated in {real:.1} s ({:.0} x).", simulated / real.max(1e-3));
+    let unsent = match network {
+        Some(network) => network.close(&flight.world.links)?,
+        None => 0,
+    };
+    tell_traffic(&flight.world, unsent);
     if let Autopilot::Q16(_) = flight.world.vehicle {
         say!("Fixed point: {} operations saturated.", saturation::count());
     }
-    let progress = flight.mission.progress().clone();
-    let summary = flight.metrics.summary();
-    if let Ok(json) = serde_json::to_string(&summary) {
-        say!("Against the truth: {json}");
+    let verdict = flight.verdict();
+    if !options.json && flight.metrics.verdict.has_armed {
+        say!("{}", outcome::table(&verdict));
     }
-    flight.finish_log().map_err(|e| Failure::Run(format!("{}: {e}", path.display())))?;
+    let shortcoming = flight.shortcoming();
+    let closed = flight.finish_log().map_err(|e| Failure::Run(format!("{}: {e}", path.display())));
     say!("Log: {}", path.display());
-    match (progress, summary.lost) {
-        (Progress::Failed(why), _) => Err(Failure::Run(why)),
-        (_, Some(why)) => Err(Failure::Run(format!("the vehicle was lost: {why}"))),
-        _ => Ok(()),
+    if options.json {
+        say!("{}", serde_json::to_string(&verdict).map_err(|e| Failure::Run(e.to_string()))?);
+    }
+    closed?;
+    shortcoming.map_or(Ok(()), |why| Err(Failure::Run(why)))
+}
+
+/// MAVLink's traffic where there was any from outside, and what went wrong with it.
+fn tell_traffic(world: &World, unsent: u64) {
+    let counters = world.links.counters();
+    let bad = [
+        (u64::from(counters.bad_frames), "frames dropped"),
+        (counters.garbage_bytes.into(), "bytes dropped"),
+        (counters.refused.into(), "refused"),
+        (counters.overflowed.into(), "queue overflows"),
+        (world.links.dropped, "datagrams of too many peers, or too many of one, dropped"),
+        (unsent, "datagrams not sent"),
+    ];
+    let bad: String =
+        bad.iter().filter(|(n, _)| *n > 0).map(|(n, what)| format!(", {n} {what}")).collect();
+    if counters.received > 0 || !bad.is_empty() {
+        say!("MAVLink: {} received, {} sent{bad}.", counters.received, counters.sent);
     }
 }

@@ -14,6 +14,7 @@ mod emulate;
 mod experiment;
 mod fly;
 mod network;
+mod outcome;
 mod plot;
 mod scenario;
 mod speed;
@@ -81,6 +82,13 @@ fn load_params(params: &mut Params, file: &Path) -> Result<(), Failure> {
     Ok(())
 }
 
+/// What is wrong, with the names that may follow on lines of their own, on one line.
+fn complaint(text: &str) -> String {
+    let lines = text.lines().map(str::trim).take_while(|line| !line.is_empty());
+    let words: Vec<_> = lines.collect();
+    if words.is_empty() { "error: bad arguments".into() } else { words.join(" ") }
+}
+
 /// Runs the command line; bad options end with code 2.
 #[must_use]
 pub fn run() -> ExitCode {
@@ -92,7 +100,7 @@ pub fn run() -> ExitCode {
         }
         // One line that names what is wrong; `--help` has the rest.
         Err(e) => {
-            eprintln!("{}", e.to_string().lines().next().unwrap_or("error: bad arguments"));
+            eprintln!("{}", complaint(&e.to_string()));
             return ExitCode::from(2);
         }
     };

@@ -17,9 +17,9 @@ const COMPONENT: u8 = 190;
 const TIMEOUT: f64 = 120.0;
 const TIMEOUT_PER_METRE: f64 = 3.0;
 const HEARTBEAT_PERIOD: f64 = 0.5;
-/// A vehicle that cannot be armed by then is asked once, for its reason, s, and given up soon after, s.
-const ASK_UNARMABLE: f64 = 60.0;
-const GIVE_UP: f64 = 2.0;
+/// A vehicle that cannot be armed by then is asked once, for its reason, s, and later given up, s.
+const ASK_UNARMABLE: f64 = 10.0;
+const GIVE_UP: f64 = 62.0;
 /// A command is sent again after this time, s.
 const REPEAT: f64 = 1.0;
 /// Of the joystick, s.
@@ -201,17 +201,17 @@ impl MissionRunner {
             Step::Land => TIMEOUT + TIMEOUT_PER_METRE * self.highest,
             _ => TIMEOUT,
         };
-        if step == Step::Arm && waited > ASK_UNARMABLE + GIVE_UP {
+        if step == Step::Arm && waited > GIVE_UP {
             self.progress = Progress::Failed("never armed".into());
             return;
         }
         if waited > timeout {
-            self.progress = Progress::Failed(format!("{step:?} not done after {timeout} s"));
+            self.progress = Progress::Failed(format!("{} not done after {timeout} s", step.name()));
             return;
         }
         let is_flight = !matches!(step, Step::Arm | Step::Altitude | Step::AwaitDisarmed { .. });
         if is_flight && !status.is_armed && waited > REPEAT && !matches!(step, Step::Land) {
-            self.progress = Progress::Failed(format!("disarmed during {step:?}"));
+            self.progress = Progress::Failed(format!("disarmed during {}", step.name()));
             return;
         }
         if self.commanded_at.is_none_or(|at| time > at + REPEAT)

@@ -10,6 +10,7 @@ mod physics;
 mod recorder;
 mod recorder_inputs;
 mod shadow;
+mod verdict;
 mod world;
 
 pub use autopilot::Autopilot;
@@ -17,8 +18,9 @@ pub use environment::Environment;
 pub use mavlink_sender::MavlinkSender;
 pub use mission::{MissionRunner, Progress};
 pub use physics::{Address, Physics};
-pub use recorder::Recorder;
+pub use recorder::{Origin, Recorder};
 pub use shadow::Shadow;
+pub use verdict::FlightVerdict;
 pub use world::World;
 
 use crate::metrics::Metrics;
@@ -91,7 +93,12 @@ impl<W: Write> Flight<W> {
     ) -> Result<Self, ScenarioError> {
         let mut flight = Self::start(scenario, params, seed)?;
         flight.world.is_watched = true;
-        flight.recorder = Some(Recorder::start(log, flight.world.now(), &params, shadows));
+        let origin = Origin {
+            scenario: toml::to_string(scenario).map_err(|e| ScenarioError(e.to_string()))?,
+            seed,
+        };
+        let now = flight.world.now();
+        flight.recorder = Some(Recorder::start(log, now, &origin, &params, shadows));
         Ok(flight)
     }
 
@@ -131,6 +138,11 @@ impl<W: Write> Flight<W> {
     #[must_use]
     pub fn output(&self) -> &StepOutput {
         self.world.vehicle.output()
+    }
+
+    /// What ended the log early, a full disk say; told once.
+    pub fn log_trouble(&mut self) -> Option<String> {
+        self.recorder.as_mut()?.trouble()
     }
 
     /// Ends the log; `None` if there is none.

@@ -21,6 +21,15 @@ const RATE: &str = "vehicle_angular_velocity_groundtruth";
 const POSITION: &str = "vehicle_local_position_groundtruth";
 const TETHER: &str = "tether_state_groundtruth";
 
+/// What a flight is flown again by.
+#[derive(Clone, Debug)]
+pub struct Origin {
+    /// The scenario with every key, TOML.
+    pub scenario: String,
+    /// Of all that is random.
+    pub seed: u64,
+}
+
 /// Writes a log; the first write error ends it and is returned by [`Self::finish`].
 #[derive(Debug)]
 pub struct Recorder<W: Write> {
@@ -35,6 +44,7 @@ pub struct Recorder<W: Write> {
     out: W,
     steps: u64,
     error: Option<io::Error>,
+    is_told: bool,
 }
 
 fn put<W: Write>(out: &mut W, error: &mut Option<io::Error>, bytes: &[u8]) {
@@ -47,7 +57,13 @@ fn put<W: Write>(out: &mut W, error: &mut Option<io::Error>, bytes: &[u8]) {
 
 impl<W: Write> Recorder<W> {
     /// Header, definitions, parameters.
-    pub fn start(mut out: W, now: Micros, params: &Params, shadows: &[Shadow]) -> Self {
+    pub fn start(
+        mut out: W,
+        now: Micros,
+        origin: &Origin,
+        params: &Params,
+        shadows: &[Shadow],
+    ) -> Self {
         let mut error = None;
         let mut sink = |bytes: &[u8]| put(&mut out, &mut error, bytes);
         let mut log = FlightLog::start(
@@ -55,6 +71,9 @@ impl<W: Write> Recorder<W> {
             params,
             |ulog, sink| {
                 ulog.info("ver_hw", "SITL", sink);
+                ulog.info("ver_sw_git", env!("TAUTLINE_REVISION"), sink);
+                ulog.info_number("sitl_seed", origin.seed, sink);
+                ulog.long_info("sitl_scenario", &origin.scenario, sink);
                 ulog.define::<VehicleAttitude>(ATTITUDE, sink);
                 ulog.define::<VehicleAngularVelocity>(RATE, sink);
                 ulog.define::<VehicleLocalPosition>(POSITION, sink);
@@ -86,6 +105,7 @@ impl<W: Write> Recorder<W> {
             out,
             steps: 0,
             error,
+            is_told: false,
         }
     }
 
@@ -115,6 +135,13 @@ impl<W: Write> Recorder<W> {
             }
         }
         self.steps += 1;
+    }
+
+    /// What ended the log early, told once.
+    pub fn trouble(&mut self) -> Option<String> {
+        let error = self.error.as_ref().filter(|_| !self.is_told)?;
+        self.is_told = true;
+        Some(error.to_string())
     }
 
     /// Flushes.

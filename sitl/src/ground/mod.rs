@@ -13,6 +13,6 @@ pub use injection::Injection;
 pub use keys::Keys;
 pub use links::{Links, Peer};
 pub use services::{Files, Host};
-pub use udp::Udp;
+pub use udp::{STATIONS, Udp};
 pub use uplink::Uplink;
 pub use winch::Winch;

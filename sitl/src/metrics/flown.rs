@@ -24,7 +24,9 @@ pub struct Metrics {
     pub hold_horizontal: Spread,
     /// Height error while holding, m.
     pub hold_vertical: Spread,
-    /// Horizontal error of the position estimate in the air, m.
+    /// Error of the position estimate in the air, m.
+    pub estimate: Spread,
+    /// Its horizontal part, m.
     pub estimate_horizontal: Spread,
     /// Angle between estimated and true attitude in the air, rad.
     pub attitude: Spread,
@@ -133,6 +135,7 @@ impl Metrics {
         }
         if let Some(position) = out.estimate.position {
             let error = position.0.map(f64::from) - plant.from_anchor();
+            self.estimate.add(error.norm());
             self.estimate_horizontal.add(error.x.hypot(error.y));
         }
         if let Some(tether) = out.estimate.tether {

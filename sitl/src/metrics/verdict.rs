@@ -2,6 +2,7 @@
 
 use super::PERIOD;
 use crate::plant::{Plant, TICK};
+use tautline_firmware::supervisor::FAILSAFES;
 use tautline_firmware::vehicle::StepOutput;
 
 /// Fastest first contact that leaves a vehicle whole, downwards and sideways, m/s.
@@ -27,6 +28,8 @@ pub struct Verdict {
     pub farthest: f64,
     /// From where it stood to where it came down, m.
     pub from_pad: Option<f64>,
+    /// From where it stood to where it is, level, m.
+    pub off_pad: f64,
     /// Greatest height over the ground, m.
     pub highest: f64,
     /// Largest tilt, rad.
@@ -35,6 +38,10 @@ pub struct Verdict {
     pub motors_on_ground: f64,
     /// Motors were allowed to turn at some time.
     pub has_armed: bool,
+    /// The last time that they were allowed to turn no more, s.
+    pub disarmed_at: Option<f64>,
+    /// Rows of the failsafe table that were active while armed, each once, in the order they came.
+    pub failures: Vec<&'static str>,
     /// Why the vehicle counts as lost.
     pub lost: Option<&'static str>,
     pad: Option<(f64, f64)>,
@@ -42,6 +49,8 @@ pub struct Verdict {
     was_touching: bool,
     has_flown: bool,
     has_landed: bool,
+    was_armed: bool,
+    seen: u32,
     steps: u32,
 }
 
@@ -52,12 +61,13 @@ impl Verdict {
 
     /// One millisecond.
     pub fn step(&mut self, out: &StepOutput, plant: &Plant) {
+        self.steps = self.steps.wrapping_add(1);
+        self.follow(out);
         let touches = plant.ground.is_touching();
         if touches && !self.was_touching && self.has_flown {
             self.touch(plant);
         }
         self.was_touching = touches;
-        self.has_armed |= out.is_armed;
         if touches && self.has_landed && out.is_armed {
             self.motors_on_ground += TICK;
             if self.motors_on_ground > SPIN_DOWN {
@@ -66,15 +76,31 @@ impl Verdict {
         } else {
             self.motors_on_ground = 0.0;
         }
-        self.steps = self.steps.wrapping_add(1);
         if self.steps.is_multiple_of(PERIOD) {
             self.look(plant, touches);
         }
     }
 
+    /// Arming, and what fails while armed.
+    fn follow(&mut self, out: &StepOutput) {
+        self.has_armed |= out.is_armed;
+        if self.was_armed && !out.is_armed {
+            self.disarmed_at = Some(f64::from(self.steps) * TICK);
+        }
+        self.was_armed = out.is_armed;
+        let fresh = out.failures & !self.seen;
+        if fresh == 0 || !out.is_armed {
+            return;
+        }
+        self.seen |= fresh;
+        let rows = FAILSAFES.iter().filter(|row| row.failure.mask() & fresh != 0);
+        self.failures.extend(rows.map(|row| row.name));
+    }
+
     fn look(&mut self, plant: &Plant, touches: bool) {
         let place = plant.body.position;
-        self.pad.get_or_insert((place.x, place.y));
+        let (x, y) = *self.pad.get_or_insert((place.x, place.y));
+        self.off_pad = (place.x - x).hypot(place.y - y);
         let height = plant.height_over_ground();
         if height > FLOWN && !touches {
             self.has_flown = true;

@@ -94,6 +94,15 @@ pub enum Step {
     },
 }
 
+impl Step {
+    /// As the file spells it.
+    #[must_use]
+    pub fn name(&self) -> String {
+        let written = serde_json::to_value(self).unwrap_or_default();
+        written.get("do").and_then(|name| name.as_str()).unwrap_or("step").to_owned()
+    }
+}
+
 /// An example of every step, and what it does.
 pub(super) const STEPS: &[(&str, &str)] = &[
     ("do = \"arm\"", "Wait until the vehicle can be armed, then arm."),

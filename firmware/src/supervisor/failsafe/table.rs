@@ -26,6 +26,7 @@ fn concerns(mode: Mode, need: impl Fn(&Needs) -> bool) -> bool {
 pub const FAILSAFES: [Failsafe; 22] = [
     Failsafe {
         failure: Failure::ImuLost,
+        name: "imu_lost",
         text: "IMU lost: descending blind",
         is_present: |_, f| is_blind(f),
         delay: |_| 0,
@@ -33,6 +34,7 @@ pub const FAILSAFES: [Failsafe; 22] = [
     },
     Failsafe {
         failure: Failure::ImuClipped,
+        name: "imu_clipped",
         text: "IMU out of range: descending",
         is_present: |_, f| f.imu == ImuHealth::OutOfRange,
         delay: |_| 0,
@@ -40,6 +42,7 @@ pub const FAILSAFES: [Failsafe; 22] = [
     },
     Failsafe {
         failure: Failure::EstimatorDiverged,
+        name: "estimator_diverged",
         text: "Position estimate diverged: descending",
         is_present: |_, f| f.has_diverged && concerns(f.mode, |needs| needs.position),
         delay: |_| 0,
@@ -47,6 +50,7 @@ pub const FAILSAFES: [Failsafe; 22] = [
     },
     Failsafe {
         failure: Failure::AltimeterLost,
+        name: "altimeter_lost",
         text: "Altimeter lost: descending",
         is_present: |_, f| !f.altitude_is_fresh && concerns(f.mode, |needs| needs.altitude),
         delay: |_| 0,
@@ -54,6 +58,7 @@ pub const FAILSAFES: [Failsafe; 22] = [
     },
     Failsafe {
         failure: Failure::TetherSlack,
+        name: "tether_slack",
         text: "Tether slack: descending",
         is_present: |_, f| !f.is_taut && !f.is_gone && concerns(f.mode, |needs| needs.taut),
         delay: |c| c.slack_delay_us,
@@ -61,6 +66,7 @@ pub const FAILSAFES: [Failsafe; 22] = [
     },
     Failsafe {
         failure: Failure::TetherLengthLost,
+        name: "tether_length_lost",
         text: "Tether length lost: landing",
         is_present: |_, f| !f.tether_is_known && concerns(f.mode, |needs| needs.position),
         delay: |_| 0,
@@ -68,6 +74,7 @@ pub const FAILSAFES: [Failsafe; 22] = [
     },
     Failsafe {
         failure: Failure::BatteryCritical,
+        name: "battery_critical",
         text: "Battery critical: descending",
         is_present: |c, f| f.cell.is_some_and(|v| v < c.cell_critical),
         delay: |_| BATTERY_DELAY_US,
@@ -75,6 +82,7 @@ pub const FAILSAFES: [Failsafe; 22] = [
     },
     Failsafe {
         failure: Failure::BatteryLow,
+        name: "battery_low",
         text: "Battery low: landing",
         is_present: |c, f| f.cell.is_some_and(|v| v < c.cell_low),
         delay: |_| BATTERY_DELAY_US,
@@ -82,6 +90,7 @@ pub const FAILSAFES: [Failsafe; 22] = [
     },
     Failsafe {
         failure: Failure::LinkLost,
+        name: "link_lost",
         text: "Ground station lost",
         is_present: |c, f| f.link_silence_us.is_some_and(|us| us > c.link_delay_us),
         delay: |_| 0,
@@ -89,6 +98,7 @@ pub const FAILSAFES: [Failsafe; 22] = [
     },
     Failsafe {
         failure: Failure::SticksLost,
+        name: "sticks_lost",
         text: "Joystick lost: descending",
         is_present: |_, f| !f.sticks_are_up && f.mode.rule().needs.sticks,
         delay: |_| 500_000,
@@ -96,6 +106,7 @@ pub const FAILSAFES: [Failsafe; 22] = [
     },
     Failsafe {
         failure: Failure::Capsized,
+        name: "capsized",
         text: "Capsized: motors off",
         is_present: |_, f| f.cos_tilt < CAPSIZED_COS,
         delay: |_| CAPSIZED_DELAY_US,
@@ -103,6 +114,7 @@ pub const FAILSAFES: [Failsafe; 22] = [
     },
     Failsafe {
         failure: Failure::CaptureLost,
+        name: "capture_lost",
         text: "Motion capture lost: descending",
         is_present: |_, f| !f.has_capture && concerns(f.mode, |needs| needs.position),
         delay: |c| c.capture_delay_us,
@@ -111,6 +123,7 @@ pub const FAILSAFES: [Failsafe; 22] = [
     // No fact shows these two: the mode that flies raises them.
     Failsafe {
         failure: Failure::ModeFailed,
+        name: "mode_failed",
         text: "Flight mode failed: holding",
         is_present: |_, _| false,
         delay: |_| 0,
@@ -118,6 +131,7 @@ pub const FAILSAFES: [Failsafe; 22] = [
     },
     Failsafe {
         failure: Failure::NoLiftOff,
+        name: "no_lift_off",
         text: "Take-off failed: no lift-off",
         is_present: |_, _| false,
         delay: |_| 0,
@@ -125,6 +139,7 @@ pub const FAILSAFES: [Failsafe; 22] = [
     },
     Failsafe {
         failure: Failure::TetherGone,
+        name: "tether_gone",
         text: "Tether gone: descending",
         is_present: |_, f| f.is_gone && concerns(f.mode, |needs| needs.taut),
         delay: |_| 0,
@@ -132,6 +147,7 @@ pub const FAILSAFES: [Failsafe; 22] = [
     },
     Failsafe {
         failure: Failure::ImuIrregular,
+        name: "imu_irregular",
         text: "IMU sample rate wrong: landing",
         is_present: |_, f| f.imu == ImuHealth::Irregular,
         delay: |_| 0,
@@ -139,6 +155,7 @@ pub const FAILSAFES: [Failsafe; 22] = [
     },
     Failsafe {
         failure: Failure::ImuGone,
+        name: "imu_gone",
         text: "IMU lost: motors off",
         is_present: |_, f| is_blind(f),
         delay: |_| BLIND_DELAY_US,
@@ -146,6 +163,7 @@ pub const FAILSAFES: [Failsafe; 22] = [
     },
     Failsafe {
         failure: Failure::LineCaught,
+        name: "line_caught",
         text: "Line caught: it does not pay out, holding",
         is_present: |_, f| f.line.is_caught && concerns(f.mode, |needs| needs.position),
         delay: |_| 0,
@@ -153,6 +171,7 @@ pub const FAILSAFES: [Failsafe; 22] = [
     },
     Failsafe {
         failure: Failure::OverTension,
+        name: "over_tension",
         text: "Line tension far too high: landing",
         is_present: |_, f| f.line.is_pulled && concerns(f.mode, |needs| needs.position),
         delay: |_| 0,
@@ -161,6 +180,7 @@ pub const FAILSAFES: [Failsafe; 22] = [
     // As those two above.
     Failsafe {
         failure: Failure::LandingOverdue,
+        name: "landing_overdue",
         text: "Landing finds no ground: descending",
         is_present: |_, _| false,
         delay: |_| 0,
@@ -168,6 +188,7 @@ pub const FAILSAFES: [Failsafe; 22] = [
     },
     Failsafe {
         failure: Failure::RotorLost,
+        name: "rotor_lost",
         text: "Rotor lost: landing on the others",
         is_present: |_, f| f.rotor_is_lost,
         delay: |_| 0,
@@ -175,6 +196,7 @@ pub const FAILSAFES: [Failsafe; 22] = [
     },
     Failsafe {
         failure: Failure::FenceBreached,
+        name: "fence_breached",
         text: "Fence breached",
         is_present: |c, f| f.is_outside && c.fence_action.is_some(),
         delay: |_| FENCE_DELAY_US,
