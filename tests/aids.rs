@@ -188,7 +188,7 @@ fn an_encoder_that_slips_a_metre_moves_nothing() {
     let mut flight = flight(&text, 4);
     until(&mut flight, 90.0, |out| out.mode == Mode::TetherHold && out.is_armed);
     run(&mut flight, 5.0);
-    breaks(&mut flight, FaultKind::LengthOffset, 1.0, 3.0);
+    breaks(&mut flight, FaultKind::EncoderOffset, 1.0, 3.0);
     for _ in 0..100 {
         run(&mut flight, 0.1);
         let plant = &flight.world.environment.plant;

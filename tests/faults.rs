@@ -73,7 +73,7 @@ fn an_inertial_gap_is_flown_through_whatever_its_kind() {
 fn every_other_inertial_sample_lands_and_a_clipped_axis_descends_softly() {
     for (kind, value, mode, text) in [
         (FaultKind::ImuRate, 500.0, Mode::Land, "IMU sample rate wrong"),
-        (FaultKind::AccelClipped, 0.0, Mode::Descent, "IMU out of range"),
+        (FaultKind::AccelClip, 0.0, Mode::Descent, "IMU out of range"),
     ] {
         let mut flight = broken_in_hold(kind, value);
         until(&mut flight, 5.0, |out| out.mode == mode);

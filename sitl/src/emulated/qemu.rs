@@ -1,10 +1,12 @@
 //! QEMU's STM32F405, as a child process in a folder of its own.
 
 use super::pipe::Pipe;
-use std::fs::{self, OpenOptions};
-use std::io;
+use std::fs::{self, File, OpenOptions};
+use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
+use std::sync::mpsc;
+use std::time::{Duration, Instant};
 
 const PROGRAM: &str = "qemu-system-arm";
 const MACHINE: &str = "netduinoplus2";
@@ -47,6 +49,25 @@ fn fifo(path: &Path) -> io::Result<()> {
     }
 }
 
+/// Longest until an image asks for its first bus transaction.
+const BOOT: Duration = Duration::from_secs(30);
+
+/// Whether a file is an ELF of 32 bits, little-endian, for ARM: by its first bytes.
+fn recognise(image: &Path) -> io::Result<()> {
+    const ARM: u8 = 40;
+    let mut head = [0; 20];
+    let whole = File::open(image).and_then(|mut file| file.read_exact(&mut head));
+    let is_image =
+        head.starts_with(b"\x7fELF\x01\x01") && head.get(18..) == Some([ARM, 0].as_slice());
+    if whole.is_ok() && is_image {
+        return Ok(());
+    }
+    Err(io::Error::other(format!(
+        "{}: no ARM image (cargo xtask emulate builds one)",
+        image.display()
+    )))
+}
+
 impl Qemu {
     /// Starts an image. With `counts` its clock counts instructions, and two runs are alike to the byte.
     ///
@@ -61,6 +82,7 @@ impl Qemu {
         let image = image.canonicalize().map_err(|e| {
             io::Error::other(format!("{}: {e} (cargo xtask emulate builds it)", image.display()))
         })?;
+        recognise(&image)?;
         let _ = fs::remove_dir_all(folder);
         fs::create_dir_all(folder)?;
         let (request, reply) = (folder.join("request"), folder.join("reply"));
@@ -88,11 +110,43 @@ impl Qemu {
         let child = command
             .spawn()
             .map_err(|e| io::Error::other(format!("{PROGRAM}: {e} (Debian: qemu-system-arm)")))?;
-        let qemu = Self { child, folder: folder.to_owned() };
-        // In the order in which the image opens them; each waits for the other side.
-        let request = OpenOptions::new().read(true).open(request)?;
-        let reply = OpenOptions::new().write(true).open(reply)?;
+        let mut qemu = Self { child, folder: folder.to_owned() };
+        let boot = if telemetry == Telemetry::None { BOOT } else { Duration::MAX };
+        let (request, reply) = qemu.meet(request, reply, boot)?;
         Ok((qemu, Pipe::new(request, reply)))
+    }
+
+    /// Opens the FIFOs, for which the image opens them too. One that is none of ours never does.
+    fn meet(
+        &mut self,
+        request: PathBuf,
+        reply: PathBuf,
+        boot: Duration,
+    ) -> io::Result<(File, File)> {
+        let (send, opened) = mpsc::channel();
+        std::thread::spawn(move || {
+            // In the order in which the image opens them; each waits for the other side.
+            let open = || {
+                let request = OpenOptions::new().read(true).open(request)?;
+                Ok((request, OpenOptions::new().write(true).open(reply)?))
+            };
+            let _ = send.send(open());
+        });
+        let began = Instant::now();
+        loop {
+            if let Ok(opened) = opened.recv_timeout(Duration::from_millis(50)) {
+                return opened;
+            }
+            if let Some(status) = self.child.try_wait()? {
+                return Err(io::Error::other(format!("QEMU could not run the image: {status}")));
+            }
+            if began.elapsed() > boot {
+                return Err(io::Error::other(format!(
+                    "the image asks for nothing within {} s: built without the feature `emulated`?",
+                    boot.as_secs()
+                )));
+            }
+        }
     }
 
     /// Waits for the image to end it.

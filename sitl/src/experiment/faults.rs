@@ -37,7 +37,7 @@ struct Case {
     duration: Option<f64>,
     ramp: f64,
     axis: Option<Axis>,
-    motor: Option<usize>,
+    rotor: Option<usize>,
     /// Sections of the scenario that make another vehicle.
     vehicle: &'static str,
     excuse: Excuse,
@@ -51,7 +51,7 @@ const fn case(name: &'static str, kind: FaultKind, value: f64) -> Case {
         duration: None,
         ramp: 0.0,
         axis: None,
-        motor: None,
+        rotor: None,
         vehicle: "",
         excuse: Excuse::None,
     }
@@ -90,27 +90,23 @@ const CASES: &[Case] = &[
     },
     case("IMU at 500 Hz", FaultKind::ImuRate, 500.0),
     Case { excuse: BLIND, ..case("IMU lost", FaultKind::ImuSilent, 0.0) },
-    case("accelerometer clipped", FaultKind::AccelClipped, 0.0),
+    case("accelerometer clipped", FaultKind::AccelClip, 0.0),
     Case { axis: Some(Axis::Z), ..case("accelerometer +1 m/s2", FaultKind::AccelBias, 1.0) },
     case("vibration +10 m/s2", FaultKind::Vibration, 10.0),
-    case("thrust 85 %", FaultKind::ThrustShare, 0.85),
-    Case { motor: Some(1), ..case("one rotor 80 %", FaultKind::ThrustShare, 0.8) },
+    case("thrust 85 %", FaultKind::MotorThrust, 0.85),
+    Case { rotor: Some(1), ..case("one rotor 80 %", FaultKind::MotorThrust, 0.8) },
+    Case { rotor: Some(1), excuse: QUAD, ..case("one motor stopped", FaultKind::MotorStop, 0.0) },
     Case {
-        motor: Some(1),
-        excuse: QUAD,
-        ..case("one motor stopped", FaultKind::MotorStopped, 0.0)
-    },
-    Case {
-        motor: Some(1),
+        rotor: Some(1),
         vehicle: HEXA,
         excuse: ON_FEET,
-        ..case("one of six motors stopped", FaultKind::MotorStopped, 0.0)
+        ..case("one of six motors stopped", FaultKind::MotorStop, 0.0)
     },
     Case {
-        motor: Some(1),
+        rotor: Some(1),
         vehicle: OCTO,
         excuse: ON_FEET,
-        ..case("one of eight motors stopped", FaultKind::MotorStopped, 0.0)
+        ..case("one of eight motors stopped", FaultKind::MotorStop, 0.0)
     },
     case("battery empty", FaultKind::BatteryAt, 0.02),
     case("ground station lost", FaultKind::LinkLost, 0.0),
@@ -122,27 +118,27 @@ const CASES: &[Case] = &[
         excuse: Excuse::Open(
             "found out by the slack or the silence that it makes, too late in wind",
         ),
-        ..case("winch jammed", FaultKind::WinchJammed, 0.0)
+        ..case("winch jammed", FaultKind::WinchJam, 0.0)
     },
     case("winch silent", FaultKind::WinchSilent, 0.0),
     Case {
         excuse: Excuse::Open("pull and weight ask for 21 to 29 N: little is left to brake with"),
-        ..case("winch pulls 15 N", FaultKind::WinchPulls, 15.0)
+        ..case("winch pulls 15 N", FaultKind::WinchTension, 15.0)
     },
     Case {
         excuse: Excuse::Physics(
             "pull and weight ask for 29 to 40 N, the position loop may ask for 28",
         ),
-        ..case("winch pulls 25 N", FaultKind::WinchPulls, 25.0)
+        ..case("winch pulls 25 N", FaultKind::WinchTension, 25.0)
     },
     case("encoder stuck", FaultKind::EncoderStuck, 0.0),
-    Case { ramp: 0.8, excuse: SLIP, ..case("encoder runs 3 m out", FaultKind::LengthOffset, 3.0) },
+    Case { ramp: 0.8, excuse: SLIP, ..case("encoder runs 3 m out", FaultKind::EncoderOffset, 3.0) },
     Case { excuse: SLIP, ..case("encoder slips 10 %", FaultKind::EncoderSlip, 0.1) },
     Case { excuse: SLIP, ..case("encoder slips 30 %", FaultKind::EncoderSlip, 0.3) },
-    case("encoder +1 m", FaultKind::LengthOffset, 1.0),
+    case("encoder +1 m", FaultKind::EncoderOffset, 1.0),
     Case { duration: Some(0.5), ..case("push 6 N", FaultKind::PushEast, 6.0) },
     Case { duration: Some(2.0), ramp: 0.5, ..case("gust 6 m/s", FaultKind::WindEast, 6.0) },
-    Case { duration: Some(2.0), ramp: 0.5, ..case("downdraft 4 m/s", FaultKind::WindDown, 4.0) },
+    Case { duration: Some(2.0), ramp: 0.5, ..case("downdraft 4 m/s", FaultKind::Downdraft, 4.0) },
 ];
 
 /// How a flight ended.
@@ -252,7 +248,7 @@ fn scenario(case: &Case, (_, step, at): (&str, usize, f64)) -> Result<Scenario, 
         duration: case.duration,
         ramp: case.ramp,
         axis: case.axis,
-        motor: case.motor,
+        rotor: case.rotor,
         on_step: Some(step),
         ..FaultSection::new(case.kind, case.value, at)
     });

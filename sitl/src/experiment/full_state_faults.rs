@@ -51,7 +51,7 @@ const CASES: [Case; 14] = [
     case("push 6 N for 0.5 s", "fixed", (FaultKind::PushEast, 6.0, 0.5), 0.22),
     case("push 10 N for 0.5 s", "fixed", (FaultKind::PushEast, 10.0, 0.5), 0.22),
     case("push 6 N inwards for 0.5 s", "fixed", (FaultKind::PushNorth, -6.0, 0.5), 0.22),
-    case("thrust 85 %", "fixed", (FaultKind::ThrustShare, 0.85, 600.0), 0.22),
+    case("thrust 85 %", "fixed", (FaultKind::MotorThrust, 0.85, 600.0), 0.22),
     case("rangefinder +2 m for 3 s", "fixed", (FaultKind::RangeOffset, 2.0, 3.0), 0.35),
     Case {
         limit: None,
@@ -59,9 +59,9 @@ const CASES: [Case; 14] = [
         ..case("gyro +10°/s for 1 s", "fixed", (FaultKind::GyroBias, 0.1745, 1.0), 0.0)
     },
     case("winch: push 6 N for 0.5 s", "winch", (FaultKind::PushEast, 6.0, 0.5), 0.25),
-    case("winch: length +1 m for 3 s", "winch", (FaultKind::LengthOffset, 1.0, 3.0), 0.35),
+    case("winch: length +1 m for 3 s", "winch", (FaultKind::EncoderOffset, 1.0, 3.0), 0.35),
     case("winch: rangefinder +2 m for 3 s", "winch", (FaultKind::RangeOffset, 2.0, 3.0), 0.35),
-    case("winch: thrust 85 %", "winch", (FaultKind::ThrustShare, 0.85, 600.0), 0.25),
+    case("winch: thrust 85 %", "winch", (FaultKind::MotorThrust, 0.85, 600.0), 0.25),
     Case {
         limit: None,
         is_open: true,

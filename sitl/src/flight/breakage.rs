@@ -8,6 +8,9 @@ use tautline_firmware::signal::MAX_ROTORS;
 #[derive(Clone, Debug)]
 pub struct Breakage {
     length_max: f64,
+    mass: f64,
+    /// How far the centre of mass has moved in the body, m.
+    moved: V3,
     /// Throttle of each motor when it began to be stuck.
     stuck: [Option<f64>; MAX_ROTORS],
     is_whole: bool,
@@ -20,6 +23,8 @@ impl Breakage {
         let winch = plant.model().tether.winch.as_ref();
         Self {
             length_max: winch.map_or(0.0, |winch| winch.length_max),
+            mass: plant.model().body.mass,
+            moved: V3::zeros(),
             stuck: [None; MAX_ROTORS],
             is_whole: true,
         }
@@ -47,18 +52,23 @@ impl Breakage {
         faults.look(facts, time);
         self.motors(faults, time, plant, throttle);
         self.line(faults, time, plant, winch);
+        self.load(faults, time, plant);
         let added = |kind| faults.added(kind, time);
-        plant.force = V3::new(
+        plant.force = faults.on_axes(FaultKind::Force, time);
+        plant.force += V3::new(
             added(FaultKind::PushNorth),
             added(FaultKind::PushEast),
             added(FaultKind::PushDown),
         );
-        plant.gust = V3::new(
+        plant.gust = faults.away(FaultKind::Gust, time);
+        plant.gust += V3::new(
             added(FaultKind::WindNorth),
             added(FaultKind::WindEast),
-            added(FaultKind::WindDown),
+            added(FaultKind::Downdraft),
         );
         plant.anchor.raised = added(FaultKind::GroundStep);
+        plant.anchor.drive = faults.away(FaultKind::AnchorSpeed, time);
+        plant.anchor.rock = faults.swinging(FaultKind::DeckRock, time);
         if let Some(charge) = faults.value(FaultKind::BatteryAt, time) {
             plant.battery.charge = plant.battery.charge.min(charge);
         }
@@ -74,15 +84,25 @@ impl Breakage {
         throttle: &mut [f64; MAX_ROTORS],
     ) {
         for (i, rotor) in plant.rotors.iter_mut().enumerate() {
-            rotor.strength = faults.on_motor(FaultKind::ThrustShare, time, i).unwrap_or(1.0);
+            let share = |kind| faults.on_motor(kind, time, i).unwrap_or(1.0);
+            rotor.strength = share(FaultKind::MotorThrust) * share(FaultKind::AllThrust);
         }
         for (i, (throttle, stuck)) in throttle.iter_mut().zip(&mut self.stuck).enumerate() {
-            if faults.on_motor(FaultKind::MotorStopped, time, i).is_some() {
+            if faults.on_motor(FaultKind::MotorStop, time, i).is_some() {
                 *throttle = 0.0;
             }
             *stuck =
                 faults.on_motor(FaultKind::MotorStuck, time, i).map(|_| stuck.unwrap_or(*throttle));
             *throttle = stuck.unwrap_or(*throttle);
+        }
+    }
+
+    fn load(&mut self, faults: &Faults, time: f64, plant: &mut Plant) {
+        plant.model_mut().body.mass = self.mass + faults.added(FaultKind::Payload, time);
+        let moved = faults.on_axes(FaultKind::CentreOfMass, time);
+        if moved != self.moved {
+            plant.move_centre(&(moved - self.moved));
+            self.moved = moved;
         }
     }
 
@@ -94,13 +114,13 @@ impl Breakage {
         if let Some(model) = &mut tether.winch {
             let most = faults.value(FaultKind::PayoutLimit, time).unwrap_or(self.length_max);
             model.length_max = self.length_max.min(most);
-            let jams = faults.is_active(FaultKind::WinchJammed, time).then_some(0.0);
-            model.turns = jams.or(faults.value(FaultKind::WinchCreeps, time));
+            let jams = faults.is_active(FaultKind::WinchJam, time).then_some(0.0);
+            model.turns = jams.or(faults.value(FaultKind::WinchCreep, time));
         }
         if faults.is_active(FaultKind::BrakeFailed, time) {
             *winch = 0.0;
         }
-        *winch = faults.value(FaultKind::WinchPulls, time).unwrap_or(*winch);
+        *winch = faults.value(FaultKind::WinchTension, time).unwrap_or(*winch);
         match faults.value(FaultKind::Snag, time) {
             Some(share) => plant.catch_line(share),
             None => plant.tether.release(),

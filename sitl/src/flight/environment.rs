@@ -59,7 +59,7 @@ impl Environment {
             winch: Winch::new(params.system_id as u8),
             plant,
             sensors: SensorSuite::new(scenario, clock.clone(), mounting, seed),
-            faults: Faults::new(&scenario.fault),
+            faults: Faults::new(&scenario.fault, &scenario.mission),
             capture: has_capture.then(|| {
                 MotionCapture::new(scenario.capture.clone(), params.system_id as u8, seed)
             }),

@@ -36,7 +36,7 @@ const TABLE: [(u8, u8, FaultKind, f64); 26] = [
     (GYRO, STUCK, FaultKind::ImuFrozen, 0.0),
     (GYRO, WRONG, FaultKind::GyroBias, 0.2),
     (GYRO, SLOW, FaultKind::ImuRate, 500.0),
-    (GYRO, INTERMITTENT, FaultKind::ImuDropped, 0.5),
+    (GYRO, INTERMITTENT, FaultKind::ImuDrop, 0.5),
     (ACCELEROMETER, OFF, FaultKind::ImuSilent, 0.0),
     (ACCELEROMETER, STUCK, FaultKind::ImuFrozen, 0.0),
     (ACCELEROMETER, GARBAGE, FaultKind::Vibration, 15.0),
@@ -53,11 +53,11 @@ const TABLE: [(u8, u8, FaultKind, f64); 26] = [
     (RANGEFINDER, GARBAGE, FaultKind::RangeNoise, 2.0),
     (RANGEFINDER, WRONG, FaultKind::RangeOffset, 2.0),
     (BATTERY, OFF, FaultKind::BatteryAt, 0.02),
-    (MOTOR, OFF, FaultKind::MotorStopped, 0.0),
+    (MOTOR, OFF, FaultKind::MotorStop, 0.0),
     (MOTOR, STUCK, FaultKind::MotorStuck, 0.0),
-    (MOTOR, WRONG, FaultKind::ThrustShare, 0.5),
-    (LINK, DELAYED, FaultKind::LinkDelayed, 1.0),
-    (LINK, INTERMITTENT, FaultKind::LinkDropped, 0.5),
+    (MOTOR, WRONG, FaultKind::MotorThrust, 0.5),
+    (LINK, DELAYED, FaultKind::LinkDelay, 1.0),
+    (LINK, INTERMITTENT, FaultKind::LinkLoss, 0.5),
 ];
 
 /// Listens to what ground stations send.
@@ -126,7 +126,7 @@ fn inject(frame: &Frame, time: f64, faults: &mut Faults) -> MavResult {
     if motor.is_none() {
         faults.clear(kind);
     }
-    faults.add(FaultSection { motor, ..FaultSection::new(kind, value, time) });
+    faults.add(FaultSection { rotor: motor, ..FaultSection::new(kind, value, time) });
     MavResult::MAV_RESULT_ACCEPTED
 }
 

@@ -20,11 +20,11 @@ impl Uplink {
 
     /// Whether the datagram arrives at once at `time` s; one that is late comes by [`Self::arrived`].
     pub fn passes(&mut self, faults: &Faults, time: f64, link: u8, datagram: &[u8]) -> bool {
-        let dropped = faults.added(FaultKind::LinkDropped, time);
+        let dropped = faults.added(FaultKind::LinkLoss, time);
         if dropped > 0.0 && 0.5 * (1.0 + uniform(&mut self.rng)) < dropped {
             return false;
         }
-        let delay = faults.added(FaultKind::LinkDelayed, time);
+        let delay = faults.added(FaultKind::LinkDelay, time);
         if delay > 0.0 || !self.under_way.is_empty() {
             self.under_way.push_back((time + delay, link, datagram.to_vec()));
             return false;

@@ -87,9 +87,10 @@ impl Verdict {
         if self.was_armed && !out.is_armed {
             self.disarmed_at = Some(f64::from(self.steps) * TICK);
         }
-        self.was_armed = out.is_armed;
+        // What stops the motors comes with the step that disarms.
+        let flew = std::mem::replace(&mut self.was_armed, out.is_armed) || out.is_armed;
         let fresh = out.failures & !self.seen;
-        if fresh == 0 || !out.is_armed {
+        if fresh == 0 || !flew {
             return;
         }
         self.seen |= fresh;
@@ -98,7 +99,7 @@ impl Verdict {
     }
 
     fn look(&mut self, plant: &Plant, touches: bool) {
-        let place = plant.body.position;
+        let place = plant.body.position - plant.anchor.deck().place;
         let (x, y) = *self.pad.get_or_insert((place.x, place.y));
         self.off_pad = (place.x - x).hypot(place.y - y);
         let height = plant.height_over_ground();
@@ -123,7 +124,8 @@ impl Verdict {
         let Some((sink, aside)) = plant.ground.touch_down else { return };
         (self.touch_down, self.touch_down_drift) = (Some(sink.abs()), Some(aside));
         (self.has_flown, self.has_landed) = (false, true);
-        let (place, from_anchor) = (plant.body.position, plant.from_anchor());
+        let place = plant.body.position - plant.anchor.deck().place;
+        let from_anchor = plant.from_anchor();
         self.from_pad = self.pad.map(|(x, y)| (place.x - x).hypot(place.y - y));
         if sink > SINK_MAX {
             self.lose("touched down hard");

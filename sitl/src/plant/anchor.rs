@@ -23,6 +23,14 @@ pub struct Anchor {
     pub velocity: V3,
     /// The ground under the vehicle is so much higher than that: a fault, m.
     pub raised: f64,
+    /// Speed at which the station drives, and the ground with it: a fault, NED, m/s.
+    pub drive: V3,
+    /// Roll of the ground under the vehicle about North, rad, and its rate, rad/s: a fault.
+    pub rock: (f64, f64),
+    /// How far it has driven, NED, m.
+    driven: V3,
+    /// Place and velocity but for that.
+    own: (V3, V3),
     walk: Option<(Walk, V3, f64)>,
     motion: Option<Motion>,
     /// Of the deck about North and East, rad, and its rate, rad/s; both small.
@@ -50,18 +58,21 @@ impl Anchor {
     pub fn on(motion: Option<Motion>) -> Self {
         let (position, velocity) =
             motion.as_ref().map_or((V3::zeros(), V3::zeros()), |motion| motion.at(0.0));
-        Self { position, velocity, motion, ..Self::default() }
+        Self { position, velocity, own: (position, velocity), motion, ..Self::default() }
     }
 
     /// Place and velocity of the ground under the vehicle: of a deck, not of whoever walks with the line.
     #[must_use]
     pub fn deck(&self) -> Deck {
-        let (mut place, velocity) = match self.motion {
-            Some(_) => (self.position, self.velocity),
+        let (mut place, mut velocity) = match self.motion {
+            Some(_) => self.own,
             None => (V3::zeros(), V3::zeros()),
         };
+        place += self.driven;
+        velocity += self.drive;
         place.z -= self.raised;
-        Deck { place, velocity, tilt: self.tilt, rate: self.tilt_rate }
+        let (rolled, rolls) = (V3::x() * self.rock.0, V3::x() * self.rock.1);
+        Deck { place, velocity, tilt: self.tilt + rolled, rate: self.tilt_rate + rolls }
     }
 
     /// Height of that ground, m.
@@ -73,21 +84,25 @@ impl Anchor {
 
     /// Starts a walk from where it is.
     pub fn go(&mut self, walk: Walk) {
-        self.walk = Some((walk, self.position, 0.0));
+        self.walk = Some((walk, self.own.0, 0.0));
     }
 
     /// `dt` s ahead.
     #[inline]
     pub fn step(&mut self, dt: f64) {
-        if self.motion.is_some() || self.walk.is_some() {
+        let drives = self.drive != V3::zeros() || self.driven != V3::zeros();
+        if self.motion.is_some() || self.walk.is_some() || drives {
             self.go_on(dt);
+            self.driven += self.drive * dt;
+            self.position = self.own.0 + self.driven;
+            self.velocity = self.own.1 + self.drive;
         }
     }
 
     fn go_on(&mut self, dt: f64) {
         if let Some(motion) = &self.motion {
             self.time += dt;
-            (self.position, self.velocity) = motion.at(self.time);
+            self.own = motion.at(self.time);
             (self.tilt, self.tilt_rate) = motion.tilt(self.time);
             return;
         }
@@ -114,8 +129,7 @@ impl Anchor {
             (length - 0.5 * rate * left * left, rate * left)
         };
         let along = walk.way / length;
-        self.position = *from + along * way;
-        self.velocity = along * speed;
+        self.own = (*from + along * way, along * speed);
         if t >= end {
             self.walk = None;
         }

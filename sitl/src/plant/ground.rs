@@ -50,6 +50,12 @@ impl GroundModel {
         }
     }
 
+    /// All that may touch is elsewhere, seen from the centre of mass, m.
+    pub fn move_points(&mut self, by: &V3) {
+        self.points.iter_mut().for_each(|point| *point += by);
+        self.reach += by.norm();
+    }
+
     /// Height of the centre of mass at rest, m.
     #[must_use]
     pub fn rest_height(&self, body: &BodyModel) -> f64 {

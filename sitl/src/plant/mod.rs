@@ -292,6 +292,14 @@ impl Plant {
         self.tether.catch(&self.anchor.position, share);
     }
 
+    /// The centre of mass moves in the body, which stays where it is, m in body axes.
+    pub fn move_centre(&mut self, by: &V3) {
+        self.body.position += self.body.attitude * by;
+        self.model.body.centre += by;
+        self.model.tether.attachment -= by;
+        self.model.ground.move_points(&-by);
+    }
+
     /// Of the centre of mass over the ground or the deck, m.
     #[must_use]
     pub fn height_over_ground(&self) -> f64 {

@@ -41,7 +41,7 @@ impl WindModel {
             gusts: if wind.gusts { Gusts::Dryden } else { Gusts::None },
             pulse: wind.pulse,
             shear: wind.shear,
-            table: wind.table.clone(),
+            table: wind.table.iter().map(|row| row.0).collect(),
         }
     }
 

@@ -1,6 +1,7 @@
 //! Every number of a scenario within its range, before the first step.
 
 use super::{LineModel, Scenario, Step, TetherKind, preset, set_param};
+use std::f64::consts::{FRAC_PI_2, PI};
 use tautline_firmware::param::Params;
 
 impl Scenario {
@@ -15,6 +16,12 @@ impl Scenario {
         {
             return Err("tether.model = \"chain\" wants kind = \"winch\" or \"fixed\"".into());
         }
+        if self.tether.kind == TetherKind::Fixed && self.tether.start_slack >= self.tether.length {
+            return Err(format!(
+                "tether.start_slack = {} is no less than tether.length = {}",
+                self.tether.start_slack, self.tether.length
+            ));
+        }
         self.station.check()?;
         self.base.check()?;
         self.capture.check()?;
@@ -24,7 +31,7 @@ impl Scenario {
         self.sensors.check()?;
         self.battery.check()?;
         for (i, fault) in self.fault.iter().enumerate() {
-            fault.check(&format!("fault[{i}]"))?;
+            fault.check(&format!("fault[{i}]"), &self.mission)?;
         }
         for (i, step) in self.mission.iter().enumerate() {
             if let Step::WalkAnchor { way: [north, east], ramp, .. } = step {
@@ -34,6 +41,25 @@ impl Scenario {
             }
             if let Step::Excite { altitude, .. } = step {
                 within(&format!("mission[{i}].altitude"), *altitude, 1.0, 100.0)?;
+            }
+            let path = format!("mission[{i}]");
+            if let Step::Move { elevation, azimuth, length, tension } = step {
+                let some = |key: &str, value: &Option<f64>, min, max| {
+                    value.map_or(Ok(()), |value| within(&format!("{path}.{key}"), value, min, max))
+                };
+                some("elevation", elevation, 0.0, FRAC_PI_2)?;
+                some("azimuth", azimuth, -6.3, 6.3)?;
+                some("length", length, 0.5, 500.0)?;
+                some("tension", tension, 0.0, 1e4)?;
+            }
+            if let Step::TautMove { elevation, second, .. } = step {
+                for (key, pair, min, max) in
+                    [("elevation", elevation, 0.0, PI), ("second", second, -1e4, 1e4)]
+                {
+                    for (i, value) in pair.iter().enumerate() {
+                        within(&format!("{path}.{key}[{i}]"), *value, min, max)?;
+                    }
+                }
             }
             let (key, value, min, max) = match step {
                 Step::Takeoff { altitude } => ("altitude", *altitude, 0.5, 200.0),

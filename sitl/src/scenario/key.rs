@@ -56,16 +56,24 @@ impl KeyValue for u64 {
 
 impl KeyValue for Vec<[f64; 4]> {
     fn check(&self, path: &str, _: Option<(f64, f64)>) -> Result<(), String> {
-        let mut last = f64::NEG_INFINITY;
-        for (i, row) in self.iter().enumerate() {
-            row.check(&format!("{path}[{i}]"), Some((-1e5, 1e5)))?;
-            if row[0] <= last {
-                return Err(format!("{path}[{i}][0] = {} is not after {last}", row[0]));
-            }
-            last = row[0];
-        }
-        Ok(())
+        rows_in_order(path, self.iter())
     }
+}
+
+/// Numbers within reason, their times one after the other.
+pub(super) fn rows_in_order<'a>(
+    path: &str,
+    rows: impl Iterator<Item = &'a [f64; 4]>,
+) -> Result<(), String> {
+    let mut last = f64::NEG_INFINITY;
+    for (i, row) in rows.enumerate() {
+        row.check(&format!("{path}[{i}]"), Some((-1e5, 1e5)))?;
+        if row[0] <= last {
+            return Err(format!("{path}[{i}][0] = {} is not after {last}", row[0]));
+        }
+        last = row[0];
+    }
+    Ok(())
 }
 
 /// A frame has as many rotors as there are motor outputs at most.

@@ -101,6 +101,12 @@ impl Step {
         let written = serde_json::to_value(self).unwrap_or_default();
         written.get("do").and_then(|name| name.as_str()).unwrap_or("step").to_owned()
     }
+
+    /// Whether a step is spelled so.
+    pub(super) fn is_name(name: &str) -> bool {
+        let first = format!("do = {name:?}");
+        STEPS.iter().any(|(text, _)| text.lines().next() == Some(first.as_str()))
+    }
 }
 
 /// An example of every step, and what it does.

@@ -14,10 +14,13 @@ mod preset;
 mod sections;
 pub mod settings;
 mod template;
+mod wind_row;
 
 pub use arithmetic::Arithmetic;
 pub(crate) use check::within;
-pub use fault::{Axis, FAULTS, FaultFacts, FaultKind, FaultRule, FaultSection, Faults, Source};
+pub use fault::{
+    Axis, FAULTS, FaultFacts, FaultKind, FaultRule, FaultSection, Faults, Source, When,
+};
 pub use key::Key;
 pub use mission::{Step, TautControl};
 pub use sections::{
@@ -26,6 +29,7 @@ pub use sections::{
     WindSection, keys,
 };
 pub use template::{reference, template};
+pub use wind_row::WindRow;
 
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;

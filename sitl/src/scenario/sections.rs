@@ -1,5 +1,6 @@
 //! All keys of a scenario's sections. One line each: key, type, unit, default, range.
 
+use super::WindRow;
 use super::key::sections;
 use crate::plant::Hub;
 use serde::{Deserialize, Serialize};
@@ -254,9 +255,9 @@ sections! {
         /// Peak of a gust of 1-cos shape, 3 s long, every 5 s, each from another side; a fifth of it as
         /// turbulence on top.
         pulse: f64 ["m/s"] = 0.0, in 0.0 ..= 25.0;
-        /// Times, s, speeds, m/s, directions, rad from North, and down, m/s, in the order of the times, instead of
+        /// Times, s, speeds, m/s, directions, rad from North, and perhaps down, m/s, in the order of the times, instead of
         /// `speed` and `from`.
-        table: Vec<[f64; 4]> ["s, m/s, rad, m/s"] = Vec::new();
+        table: Vec<WindRow> ["s, m/s, rad, m/s"] = Vec::new();
     }
 
     /// `[sensors]`: standard deviations and densities; zero everything for ideal sensors.

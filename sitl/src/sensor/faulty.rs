@@ -51,11 +51,12 @@ impl InertialFault {
             }
             self.due -= 1.0;
         }
-        let dropped = faults.added(FaultKind::ImuDropped, time);
+        let dropped = faults.added(FaultKind::ImuDrop, time);
         if dropped > 0.0 && self.share() < dropped {
             return Arrival::Never;
         }
-        let repeated = faults.added(FaultKind::ImuRepeated, time);
+        let repeated = faults.value(FaultKind::ImuRepeat, time);
+        let repeated = repeated.map_or(0.0, |share| if share > 0.0 { share } else { 1.0 });
         let jitter = faults.added(FaultKind::ImuJitter, time);
         Arrival::Comes {
             repeats: repeated > 0.0 && self.share() < repeated,
@@ -96,13 +97,14 @@ impl InertialFault {
             *accel += V3::new(sin, cos, 0.0) * (imbalance * size);
         }
         let clip = |kind, v: &mut V3| {
+            let limit = faults.value(kind, time).unwrap_or(0.0);
             for (x, clips) in v.iter_mut().zip(faults.axes(kind, time)) {
                 if clips {
-                    *x = BEYOND;
+                    *x = if limit > 0.0 { x.clamp(-limit, limit) } else { BEYOND };
                 }
             }
         };
-        clip(FaultKind::AccelClipped, accel);
+        clip(FaultKind::AccelClip, accel);
         clip(FaultKind::GyroClipped, gyro);
     }
 }
@@ -121,7 +123,7 @@ impl EncoderFault {
     pub fn error(&mut self, length: f64, faults: &Faults, time: f64) -> f64 {
         self.slipped -= faults.added(FaultKind::EncoderSlip, time) * (length - self.last);
         self.last = length;
-        self.slipped + faults.added(FaultKind::LengthOffset, time)
+        self.slipped + faults.added(FaultKind::EncoderOffset, time)
     }
 
     /// What a wheel shows that may not turn any more: the same to the last bit.

@@ -224,7 +224,9 @@ impl SensorSuite {
         let pressed = faults.added(FaultKind::GroundEffect, time)
             * (1.0 - over / GROUND_EFFECT).clamp(0.0, 1.0)
             * thrust.clamp(0.0, 1.0);
-        let extra = faults.added(FaultKind::BarometerOffset, time) - pressed;
+        let extra = faults.added(FaultKind::BarometerOffset, time)
+            + faults.added(FaultKind::BarometerDrift, time)
+            - pressed;
         let random = if noise > 0.0 { noise * normal(&mut self.fault_rng) } else { 0.0 };
         let height = self.measured.and_then(|measured| measured.height);
         let height = height.unwrap_or(plant.body.height()) + extra + random;

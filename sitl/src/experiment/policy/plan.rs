@@ -29,10 +29,17 @@ const BASES: [&str; 6] = [
 ];
 const OWN_MISSION: usize = 2;
 
-const MOTORS: [FaultKind; 2] = [FaultKind::MotorStopped, FaultKind::MotorStuck];
+const MOTORS: [FaultKind; 2] = [FaultKind::MotorStop, FaultKind::MotorStuck];
 /// What a vehicle is a match for: no file forbids 1,000 N, and no vehicle of 1.5 kg has a rule for them.
-const MOST: [(&str, f64); 6] =
-    [("N", 10.0), ("m/s^2", 12.0), ("rad/s", 3.0), ("m/s", 8.0), ("m", 6.0), ("V", 8.0)];
+const MOST: [(&str, f64); 7] = [
+    ("N", 10.0),
+    ("m/s^2", 12.0),
+    ("rad/s", 3.0),
+    ("m/s", 8.0),
+    ("m", 6.0),
+    ("V", 8.0),
+    ("kg", 0.5),
+];
 
 const COMMANDS: [MavCmd; 11] = [
     MavCmd::MAV_CMD_COMPONENT_ARM_DISARM,
@@ -121,7 +128,7 @@ impl Dice {
         fault.duration = self.chance(0.5).then(|| self.between(0.05, 20.0));
         fault.ramp = if self.chance(0.3) { self.between(0.0, 20.0) } else { 0.0 };
         fault.axis = self.chance(0.5).then(|| *self.one_of(&[Axis::X, Axis::Y, Axis::Z]));
-        fault.motor = self.chance(0.5).then(|| 1 + self.below(4));
+        fault.rotor = self.chance(0.5).then(|| 1 + self.below(4));
         fault
     }
 
@@ -227,9 +234,9 @@ impl Plan {
             parts.extend(changed.map(told));
         }
         for fault in self.scenario.fault.iter().filter(|fault| fault.at <= time + 0.2) {
-            let FaultSection { kind, value, at, duration, ramp, axis, motor, .. } = fault;
+            let FaultSection { kind, value, at, duration, ramp, axis, rotor, .. } = fault;
             parts.push(format!(
-                "{kind:?} {value:.3} at {at:.2} {duration:?} {ramp:.1} {axis:?} {motor:?}"
+                "{kind:?} {value:.3} at {at:.2} {duration:?} {ramp:.1} {axis:?} {rotor:?}"
             ));
         }
         for (at, ask) in self.asks.iter().filter(|(at, _)| *at <= time + 0.01) {

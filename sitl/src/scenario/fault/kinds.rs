@@ -1,4 +1,4 @@
-//! All kinds of faults. One line each: name, unit of its value, value that would change nothing, range.
+//! All kinds of faults. One line each: name, a former one, unit of its value, value that would change nothing, range.
 
 use serde::{Deserialize, Serialize};
 
@@ -20,12 +20,12 @@ pub struct FaultRule {
 }
 
 macro_rules! fault_kinds {
-    ($($(#[doc = $doc:literal])+ $kind:ident $name:literal
+    ($($(#[doc = $doc:literal])+ $kind:ident $name:literal $(or $old:literal)?
         $([$unit:literal] $neutral:literal, in $min:literal ..= $max:literal)?;)+) => {
         /// What can be broken.
         #[derive(Clone, Copy, Debug, Deserialize, Serialize, PartialEq, Eq)]
         pub enum FaultKind {
-            $($(#[doc = $doc])+ #[serde(rename = $name)] $kind,)+
+            $($(#[doc = $doc])+ #[serde(rename = $name $(, alias = $old)?)] $kind,)+
         }
 
         /// All kinds, in the order of the documentation.
@@ -61,9 +61,9 @@ fault_kinds! {
     /// The inertial sensor no longer drives its bus.
     ImuDead "imu_dead";
     /// A share of the inertial samples never arrives.
-    ImuDropped "imu_dropped" [""] 0.0, in 0.0 ..= 1.0;
-    /// A share of the inertial samples is the one before once more.
-    ImuRepeated "imu_repeated" [""] 0.0, in 0.0 ..= 1.0;
+    ImuDrop "imu_drop" or "imu_dropped" [""] 0.0, in 0.0 ..= 1.0;
+    /// A share of the inertial samples is the one before once more; all when that is zero.
+    ImuRepeat "imu_repeat" or "imu_repeated" [""] 0.0, in 0.0 ..= 1.0;
     /// So many inertial samples arrive in a second.
     ImuRate "imu_rate" ["Hz"] 1000.0, in 1.0 ..= 1000.0;
     /// Inertial samples bear a time that is too early, drawn up to this.
@@ -78,8 +78,8 @@ fault_kinds! {
     AccelBias "accel_bias" ["m/s^2"] 0.0, in -160.0 ..= 160.0;
     /// The accelerometer reads more than there is, by this share.
     AccelScale "accel_scale" [""] 0.0, in -1.0 ..= 1.0;
-    /// The accelerometer reads the end of its range.
-    AccelClipped "accel_clipped";
+    /// The accelerometer reads no more than this; the end of its range when that is zero.
+    AccelClip "accel_clip" or "accel_clipped" ["m/s^2"] 0.0, in 0.0 ..= 400.0;
     /// Vibration at hover, rms, on top of the scenario's.
     Vibration "vibration" ["m/s^2"] 0.0, in 0.0 ..= 100.0;
     /// A rotor out of balance: an acceleration across its axis once per turn, at hover.
@@ -96,6 +96,8 @@ fault_kinds! {
     BarometerLost "barometer_lost";
     /// The barometer shows too great a height.
     BarometerOffset "barometer_offset" ["m"] 0.0, in -100.0 ..= 100.0;
+    /// The barometer comes to show too great a height, over a minute unless it has another `ramp`.
+    BarometerDrift "barometer_drift" ["m"] 0.0, in -100.0 ..= 100.0;
     /// The barometer shows what it showed.
     BarometerStuck "barometer_stuck";
     /// Noise on top of the barometer's own.
@@ -106,10 +108,12 @@ fault_kinds! {
     AltimeterLost "altimeter_lost";
     /// A field along the right arm comes on top of the earth's.
     CompassDisturbed "compass_disturbed" ["uT"] 0.0, in -100.0 ..= 100.0;
-    /// Rotors give this share of their thrust: all of them, or one.
-    ThrustShare "thrust_share" [""] 1.0, in 0.0 ..= 2.0;
+    /// All rotors give this share of their thrust.
+    AllThrust "all_thrust" [""] 1.0, in 0.0 ..= 2.0;
+    /// One rotor gives this share of its thrust, or all do.
+    MotorThrust "motor_thrust" or "thrust_share" [""] 1.0, in 0.0 ..= 2.0;
     /// A motor stands.
-    MotorStopped "motor_stopped";
+    MotorStop "motor_stop" or "motor_stopped";
     /// A motor keeps the throttle it had.
     MotorStuck "motor_stuck";
     /// The line is cut, at a share of its length from the station; a straight one is gone whole.
@@ -119,35 +123,47 @@ fault_kinds! {
     /// The winch no longer reports its length.
     WinchSilent "winch_silent";
     /// The encoder of the winch shows too much.
-    LengthOffset "length_offset" ["m"] 0.0, in -100.0 ..= 100.0;
+    EncoderOffset "encoder_offset" or "length_offset" ["m"] 0.0, in -100.0 ..= 100.0;
     /// The encoder of the winch shows what it showed.
     EncoderStuck "encoder_stuck";
     /// Of what the winch pays out from now on, its encoder misses this share.
     EncoderSlip "encoder_slip" [""] 0.0, in -1.0 ..= 1.0;
     /// The drum is blocked.
-    WinchJammed "winch_jammed";
+    WinchJam "winch_jam" or "winch_jammed";
     /// The drum turns at this speed, out, whatever it is asked.
-    WinchCreeps "winch_creeps" ["m/s"] 0.0, in -10.0 ..= 10.0;
+    WinchCreep "winch_creep" or "winch_creeps" ["m/s"] 0.0, in -10.0 ..= 10.0;
     /// The winch pulls this, whatever it is asked; no limit of its motor counts.
-    WinchPulls "winch_pulls" ["N"] 0.0, in 0.0 ..= 1000.0;
+    WinchTension "winch_tension" or "winch_pulls" ["N"] 0.0, in 0.0 ..= 1000.0;
     /// The drum runs free: nothing brakes it but its friction.
     BrakeFailed "brake_failed";
     /// The winch has no more line than this.
     PayoutLimit "payout_limit" ["m"] 500.0, in 0.1 ..= 500.0;
     /// The station's encoder shows too great an azimuth.
     FairleadOffset "fairlead_offset" ["rad"] 0.0, in -4.0 ..= 4.0;
+    /// A force along an axis of the world: x North, y East, z down.
+    Force "force" ["N"] 0.0, in -1000.0 ..= 1000.0;
     /// A force from the South.
     PushNorth "push_north" ["N"] 0.0, in -1000.0 ..= 1000.0;
     /// A force from the West.
     PushEast "push_east" ["N"] 0.0, in -1000.0 ..= 1000.0;
     /// A force from above.
     PushDown "push_down" ["N"] 0.0, in -1000.0 ..= 1000.0;
+    /// Wind on top of the scenario's, `from` a direction.
+    Gust "gust" ["m/s"] 0.0, in -40.0 ..= 40.0;
     /// Wind from the South on top of the scenario's.
     WindNorth "wind_north" ["m/s"] 0.0, in -40.0 ..= 40.0;
     /// Wind from the West.
     WindEast "wind_east" ["m/s"] 0.0, in -40.0 ..= 40.0;
     /// Wind from above.
-    WindDown "wind_down" ["m/s"] 0.0, in -40.0 ..= 40.0;
+    Downdraft "downdraft" or "wind_down" ["m/s"] 0.0, in -40.0 ..= 40.0;
+    /// A load more at the centre of mass.
+    Payload "payload" ["kg"] 0.0, in 0.0 ..= 20.0;
+    /// The centre of mass moves along an axis of the body: x forward, y right.
+    CentreOfMass "centre_of_mass" ["m"] 0.0, in -0.3 ..= 0.3;
+    /// The deck under the vehicle rolls about North by so much, each `period`.
+    DeckRock "deck_rock" ["rad"] 0.0, in 0.0 ..= 0.5;
+    /// The station drives at this speed, and the ground under the vehicle with it, `from` a direction.
+    AnchorSpeed "anchor_speed" ["m/s"] 0.0, in 0.0 ..= 20.0;
     /// The ground under the vehicle is so much higher than at the anchor: a roof, a container.
     GroundStep "ground_step" ["m"] 0.0, in -20.0 ..= 20.0;
     /// The battery is at this share of its charge, or below.
@@ -161,9 +177,9 @@ fault_kinds! {
     /// Nothing from the ground station or the pilot arrives; see `Faults::cuts`.
     LinkLost "link_lost";
     /// A share of what ground station and pilot send never arrives.
-    LinkDropped "link_dropped" [""] 0.0, in 0.0 ..= 1.0;
+    LinkLoss "link_loss" or "link_dropped" [""] 0.0, in 0.0 ..= 1.0;
     /// What ground station and pilot send arrives late.
-    LinkDelayed "link_delayed" ["s"] 0.0, in 0.0 ..= 60.0;
+    LinkDelay "link_delay" or "link_delayed" ["s"] 0.0, in 0.0 ..= 60.0;
     /// No motion capture.
     CaptureLost "capture_lost";
     /// Motion capture tracks the vehicle, not the rod.

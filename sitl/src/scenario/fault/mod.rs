@@ -1,141 +1,14 @@
 //! What can be broken, when it is, and what that cuts off.
 
 mod kinds;
+mod section;
 
 pub use kinds::{FAULTS, FaultKind, FaultRule};
+pub use section::{Axis, FAULT_KEYS, FaultFacts, FaultSection, When};
 
-use super::check::within;
+use super::Step;
 use nalgebra::Vector3;
-use serde::{Deserialize, Serialize};
-
-/// Body axis that a fault of the inertial sensor concerns.
-#[derive(Clone, Copy, Debug, Deserialize, Serialize, PartialEq, Eq)]
-#[serde(rename_all = "lowercase")]
-pub enum Axis {
-    /// Nose.
-    X,
-    /// Right.
-    Y,
-    /// Down.
-    Z,
-}
-
-/// `[[fault]]`.
-#[derive(Clone, Debug, Deserialize, Serialize, PartialEq)]
-#[serde(deny_unknown_fields)]
-pub struct FaultSection {
-    /// What.
-    pub kind: FaultKind,
-    /// s since power-up, which is a tenth of a second before the first step; with a trigger, s after it.
-    #[serde(default)]
-    pub at: f64,
-    /// s; to the end when absent.
-    #[serde(default)]
-    pub duration: Option<f64>,
-    /// From what changes nothing to the whole value, s.
-    #[serde(default)]
-    pub ramp: f64,
-    /// For the kinds that have one.
-    #[serde(default)]
-    pub value: f64,
-    /// Of the kinds of gyro and accelerometer, the one axis; all three when absent.
-    #[serde(default)]
-    pub axis: Option<Axis>,
-    /// Of the kinds of rotors, the one motor, from 1; all when absent.
-    #[serde(default)]
-    pub motor: Option<usize>,
-    /// Trigger: the mission comes to this step, from 1.
-    #[serde(default)]
-    pub on_step: Option<usize>,
-    /// Trigger: the vehicle passes this height over the ground, upwards or downwards, m.
-    #[serde(default)]
-    pub on_height: Option<f64>,
-    /// Trigger: so much line is out, m.
-    #[serde(default)]
-    pub on_length: Option<f64>,
-    /// Trigger: the line pulls this much at the vehicle, N.
-    #[serde(default)]
-    pub on_tension: Option<f64>,
-}
-
-/// Keys of a fault beside its kind: name, example, meaning.
-pub const FAULT_KEYS: &[(&str, &str, &str)] = &[
-    ("value", "2.0", "How much, in the kind's unit."),
-    (
-        "at",
-        "45.0",
-        "s since power-up, a tenth of a second before the first step; with a trigger, s after it.",
-    ),
-    ("duration", "5.0", "s; absent: to the end."),
-    ("ramp", "1.0", "From what changes nothing to the whole value, s: a long one is a drift."),
-    ("axis", "\"z\"", "Of gyro and accelerometer, one body axis; absent: all three."),
-    ("motor", "1", "Of the rotors, one motor, from 1; absent: all."),
-    ("on_step", "3", "Trigger: the mission comes to this step, from 1."),
-    ("on_height", "2.0", "Trigger: the vehicle passes this height over the ground, m."),
-    ("on_length", "6.0", "Trigger: so much line is out, m."),
-    ("on_tension", "8.0", "Trigger: the line pulls this much at the vehicle, N."),
-];
-
-impl FaultSection {
-    /// From `at` s on, to the end.
-    #[must_use]
-    pub fn new(kind: FaultKind, value: f64, at: f64) -> Self {
-        Self {
-            kind,
-            at,
-            value,
-            duration: None,
-            ramp: 0.0,
-            axis: None,
-            motor: None,
-            on_step: None,
-            on_height: None,
-            on_length: None,
-            on_tension: None,
-        }
-    }
-
-    /// Every number within its range; `path` names the section.
-    pub(super) fn check(&self, path: &str) -> Result<(), String> {
-        let rule = self.kind.rule();
-        within(&format!("{path}.at"), self.at, 0.0, 1e7)?;
-        within(&format!("{path}.duration"), self.duration.unwrap_or(0.0), 0.0, 1e7)?;
-        within(&format!("{path}.ramp"), self.ramp, 0.0, 1e7)?;
-        within(&format!("{path}.value"), self.value, rule.range.0, rule.range.1)?;
-        within(&format!("{path}.motor"), self.motor.unwrap_or(1) as f64, 1.0, 8.0)?;
-        within(&format!("{path}.on_step"), self.on_step.unwrap_or(1) as f64, 1.0, 1e4)?;
-        within(&format!("{path}.on_height"), self.on_height.unwrap_or(0.0), 0.0, 500.0)?;
-        within(&format!("{path}.on_length"), self.on_length.unwrap_or(0.0), 0.0, 500.0)?;
-        within(&format!("{path}.on_tension"), self.on_tension.unwrap_or(0.0), 0.0, 1e4)
-    }
-
-    fn has_trigger(&self) -> bool {
-        let levels = [self.on_height, self.on_length, self.on_tension];
-        self.on_step.is_some() || levels.iter().any(Option::is_some)
-    }
-
-    /// Whether its trigger has come, between two looks.
-    fn is_triggered(&self, before: &FaultFacts, now: &FaultFacts) -> bool {
-        let crosses = |level: f64, a: f64, b: f64| (a < level) != (b < level);
-        self.on_step.is_some_and(|step| now.step >= step)
-            || self.on_height.is_some_and(|level| crosses(level, before.height, now.height))
-            || self.on_length.is_some_and(|level| now.length >= level)
-            || self.on_tension.is_some_and(|level| now.tension >= level)
-    }
-}
-
-/// What triggers look at.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct FaultFacts {
-    /// Step of the mission, from 1.
-    pub step: usize,
-    /// Over the ground, m.
-    pub height: f64,
-    /// Of the line, m.
-    pub length: f64,
-    /// At the vehicle, N.
-    pub tension: f64,
-}
+use std::f64::consts::TAU;
 
 /// Who sends a MAVLink frame to the vehicle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -154,8 +27,8 @@ struct Armed {
 }
 
 impl Armed {
-    /// Its value now, if it is active.
-    fn value(&self, time: f64) -> Option<f64> {
+    /// Its value now and for how long it has been there, s, if it is active.
+    fn value(&self, time: f64) -> Option<(f64, f64)> {
         let since = self.since.filter(|&since| time >= since)?;
         let age = time - since;
         if self.fault.duration.is_some_and(|duration| age >= duration) {
@@ -163,7 +36,7 @@ impl Armed {
         }
         let neutral = self.fault.kind.rule().neutral;
         let share = if age < self.fault.ramp { age / self.fault.ramp } else { 1.0 };
-        Some(neutral + (self.fault.value - neutral) * share)
+        Some((neutral + (self.fault.value - neutral) * share, age))
     }
 }
 
@@ -175,18 +48,19 @@ pub struct Faults {
 }
 
 impl Faults {
-    /// From the scenario.
+    /// Of a scenario that flies this mission.
     #[must_use]
-    pub fn new(list: &[FaultSection]) -> Self {
+    pub fn new(list: &[FaultSection], mission: &[Step]) -> Self {
         let mut faults = Self::default();
         for fault in list {
-            faults.add(fault.clone());
+            faults.add(fault.clone().resolved(mission));
         }
         faults
     }
 
     /// One more.
     pub fn add(&mut self, fault: FaultSection) {
+        let fault = fault.resolved(&[]);
         let since = (!fault.has_trigger()).then_some(fault.at);
         self.list.push(Armed { fault, since });
     }
@@ -218,11 +92,15 @@ impl Faults {
         self.list.is_empty()
     }
 
+    fn aged(&self, kind: FaultKind, time: f64) -> impl Iterator<Item = (&FaultSection, f64, f64)> {
+        self.list.iter().filter(move |armed| armed.fault.kind == kind).filter_map(move |armed| {
+            let (value, age) = armed.value(time)?;
+            Some((&armed.fault, value, age))
+        })
+    }
+
     fn active(&self, kind: FaultKind, time: f64) -> impl Iterator<Item = (&FaultSection, f64)> {
-        self.list
-            .iter()
-            .filter(move |armed| armed.fault.kind == kind)
-            .filter_map(move |armed| Some((&armed.fault, armed.value(time)?)))
+        self.aged(kind, time).map(|(fault, value, _)| (fault, value))
     }
 
     /// Its value, if the fault is active at `time`, s.
@@ -250,6 +128,25 @@ impl Faults {
             .sum()
     }
 
+    /// Level, away from where it comes from, NED.
+    #[must_use]
+    pub fn away(&self, kind: FaultKind, time: f64) -> Vector3<f64> {
+        self.active(kind, time)
+            .map(|(fault, value)| Vector3::new(fault.from.cos(), fault.from.sin(), 0.0) * -value)
+            .sum()
+    }
+
+    /// Of what swings with this amplitude: where it is, and its rate per second.
+    #[must_use]
+    pub fn swinging(&self, kind: FaultKind, time: f64) -> (f64, f64) {
+        let states = self.aged(kind, time).map(|(fault, value, age)| {
+            let rate = TAU / fault.period;
+            let (sin, cos) = (rate * age).sin_cos();
+            (value * sin, value * rate * cos)
+        });
+        states.fold((0.0, 0.0), |(x, v), (dx, dv)| (x + dx, v + dv))
+    }
+
     /// Whether each body axis is concerned.
     #[must_use]
     pub fn axes(&self, kind: FaultKind, time: f64) -> [bool; 3] {
@@ -262,7 +159,7 @@ impl Faults {
     #[must_use]
     pub fn on_motor(&self, kind: FaultKind, time: f64, motor: usize) -> Option<f64> {
         self.active(kind, time)
-            .find(|(fault, _)| fault.motor.is_none_or(|one| one == motor + 1))
+            .find(|(fault, _)| fault.rotor.is_none_or(|one| one == motor + 1))
             .map(|(_, value)| value)
     }
 
@@ -295,16 +192,16 @@ mod tests {
         let fault = FaultSection {
             ramp: 2.0,
             duration: Some(5.0),
-            motor: Some(2),
-            ..FaultSection::new(FaultKind::ThrustShare, 0.5, 10.0)
+            rotor: Some(2),
+            ..FaultSection::new(FaultKind::MotorThrust, 0.5, 10.0)
         };
-        let faults = Faults::new(&[fault]);
-        let at = |time| faults.on_motor(FaultKind::ThrustShare, time, 1);
+        let faults = Faults::new(&[fault], &[]);
+        let at = |time| faults.on_motor(FaultKind::MotorThrust, time, 1);
         assert_eq!(
             [at(9.9), at(10.0), at(11.0), at(13.0), at(15.0)],
             [None, Some(1.0), Some(0.75), Some(0.5), None]
         );
-        assert_eq!(faults.on_motor(FaultKind::ThrustShare, 13.0, 0), None, "another motor");
+        assert_eq!(faults.on_motor(FaultKind::MotorThrust, 13.0, 0), None, "another motor");
     }
 
     #[test]
@@ -313,7 +210,7 @@ mod tests {
             on_height: Some(3.0),
             ..FaultSection::new(FaultKind::RangefinderLost, 0.0, 1.0)
         };
-        let mut faults = Faults::new(&[fault]);
+        let mut faults = Faults::new(&[fault], &[]);
         let look = |faults: &mut Faults, height, time| {
             faults.look(FaultFacts { height, ..FaultFacts::default() }, time);
             faults.is_active(FaultKind::RangefinderLost, time)
@@ -327,7 +224,7 @@ mod tests {
     #[test]
     fn axes_add_up() {
         let one = |axis| FaultSection { axis, ..FaultSection::new(FaultKind::AccelBias, 1.0, 0.0) };
-        let faults = Faults::new(&[one(None), one(Some(Axis::Z))]);
+        let faults = Faults::new(&[one(None), one(Some(Axis::Z))], &[]);
         assert_eq!(faults.on_axes(FaultKind::AccelBias, 1.0), Vector3::new(1.0, 1.0, 2.0));
         assert_eq!(faults.axes(FaultKind::AccelBias, 1.0), [true; 3]);
     }
@@ -340,5 +237,38 @@ mod tests {
             assert_eq!(fault.kind, rule.kind);
             assert_eq!(fault.kind.rule().name, rule.name);
         }
+    }
+
+    #[test]
+    fn a_step_is_waited_for_by_its_name_and_must_be_one_of_the_mission() {
+        let wait = |step: &str| {
+            let text = format!(
+                "[[fault]]\nkind = \"motor_thrust\"\nrotor = 2\nvalue = 0.5\nwhen = {{ step = {step:?}, after = 2.0 }}
+                 [[mission]]\ndo = \"arm\"\n[[mission]]\ndo = \"hold\"\nseconds = 9.0"
+            );
+            crate::scenario::Scenario::parse(&text, "s")
+        };
+        let scenario = wait("hold").unwrap();
+        let mut faults = Faults::new(&scenario.fault, &scenario.mission);
+        faults.look(FaultFacts::default(), 4.0);
+        faults.reach_step(2);
+        faults.look(FaultFacts::default(), 5.0);
+        let at = |time| faults.on_motor(FaultKind::MotorThrust, time, 1);
+        assert_eq!([at(6.9), at(7.0)], [None, Some(0.5)]);
+        let error = wait("land").unwrap_err().0;
+        assert_eq!(error, "s: fault[0].when.step = \"land\": the mission has no such step");
+        let two = "[[fault]]\nkind = \"snag\"\nwhen = { height_above = 1.0, length_above = 2.0 }";
+        assert!(crate::scenario::Scenario::parse(two, "s").unwrap_err().0.contains("wants one of"));
+    }
+
+    #[test]
+    fn what_comes_from_somewhere_goes_away_from_it_and_what_swings_begins_at_rest() {
+        let gust = FaultSection { from: TAU / 4.0, ..FaultSection::new(FaultKind::Gust, 3.0, 0.0) };
+        let rock = FaultSection { period: 4.0, ..FaultSection::new(FaultKind::DeckRock, 0.1, 1.0) };
+        let faults = Faults::new(&[gust, rock], &[]);
+        assert!((faults.away(FaultKind::Gust, 1.0) - Vector3::new(0.0, -3.0, 0.0)).norm() < 1e-12);
+        let (angle, rate) = faults.swinging(FaultKind::DeckRock, 1.0);
+        assert!(angle.abs() < 1e-12 && (rate - 0.1 * TAU / 4.0).abs() < 1e-12);
+        assert!((faults.swinging(FaultKind::DeckRock, 2.0).0 - 0.1).abs() < 1e-12);
     }
 }
