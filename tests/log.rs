@@ -138,3 +138,35 @@ fn a_logs_beginning_fits_the_smallest_boards_queue_beside_a_step() {
     FlightLog::start(Micros(0), &Params::default(), |_, _| {}, &mut |bytes| header += bytes.len());
     assert!(header + 2 * STEP_BYTES < QUEUE, "{header} and {STEP_BYTES}");
 }
+
+/// A disk with room for so many bytes.
+struct Disk(usize);
+
+impl std::io::Write for Disk {
+    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+        if bytes.len() > self.0 {
+            return Err(std::io::ErrorKind::StorageFull.into());
+        }
+        self.0 -= bytes.len();
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> std::io::Result<()> {
+        Ok(())
+    }
+}
+
+#[test]
+fn a_full_disk_is_told_once_and_when_it_fills_and_the_flight_goes_on() {
+    let scenario = Scenario::default();
+    let params = scenario.params().unwrap();
+    let mut flight = Flight::new(&scenario, params, 1, Disk(100_000)).unwrap();
+    let mut told = Vec::new();
+    for _ in 0..10_000 {
+        flight.step(&mut |_| {});
+        told.extend(flight.log_trouble().map(|why| (flight.world.time(), why)));
+    }
+    assert_eq!(told.len(), 1, "{told:?}");
+    assert!(told[0].0 < 9.0, "{told:?}");
+    assert!(flight.finish_log().is_err());
+}

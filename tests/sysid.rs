@@ -6,8 +6,8 @@ use std::fmt::Write;
 use tautline_firmware::param::Params;
 use tautline_sitl::scenario::Scenario;
 use tautline_sitl::sysid::{
-    Form, Model, PwmRange, Record, Signals, arx, fit, fit_thrust_map, identify, parse_csv, prepare,
-    read_log, recommend,
+    Form, Model, PwmRange, Record, Signals, arx, fit, fit_stand, fit_thrust_map, identify,
+    parse_csv, parse_stand, prepare, read_log, recommend,
 };
 use tautline_tests::{flight, until};
 
@@ -96,12 +96,89 @@ fn a_known_thrust_map_is_found_again() {
     assert!(found.factor_is_known, "{found:?}");
     assert!((found.thrust_max / 8.0 - 1.0).abs() < 0.01, "{found:?}");
     assert!((found.factor - 0.5).abs() < 0.05, "{found:?}");
-    assert!((found.lag - 0.04).abs() < 0.006, "{found:?}");
+    assert!((found.lag.unwrap() - 0.04).abs() < 0.006, "{found:?}");
     // A range that the record leaves is an error, not a clamp.
     let wrong = PwmRange { low: 1000.0, high: 1400.0 };
     assert!(fit_thrust_map(&record, wrong, &Params::default()).unwrap_err().contains("outside"));
     let empty = PwmRange { low: 5.0, high: 5.0 };
     assert!(fit_thrust_map(&record, empty, &Params::default()).unwrap_err().contains("empty"));
+}
+
+/// A stand's table: one rotor of 8.1 N with 0.55 of the square law, in kgf, by so many steps.
+fn stand(steps: usize, volts: f64, thrust: impl Fn(f64) -> f64) -> String {
+    let mut text = String::from("\u{feff}Time (s),ESC signal (\u{b5}s),Thrust (kgf),Voltage (V)\n");
+    for row in 0..=steps {
+        let u = row as f64 / steps as f64;
+        let kgf = thrust(u) / 9.806_65;
+        writeln!(text, "{:.2},{:.1},{kgf:.6},{volts}", row, 1000.0 + 1000.0 * u).unwrap();
+    }
+    text
+}
+
+fn curve(u: f64) -> f64 {
+    8.1 * (0.55 * u * u + 0.45 * u)
+}
+
+#[test]
+fn a_stands_table_of_few_points_gives_the_curve_and_leaves_the_lag() {
+    for (text, percent) in [
+        (stand(10, 15.2, curve), false),
+        (stand(400, 15.2, curve).replace("ESC signal (\u{b5}s)", "Throttle (%)"), true),
+    ] {
+        let mut table = parse_stand(&text, "stand.csv").unwrap();
+        assert_eq!(table.is_percent, percent);
+        if percent {
+            table.signal.iter_mut().for_each(|x| *x = (*x - 1000.0) / 10.0);
+        }
+        let found = fit_stand(&table, table.range(), &Params::default()).unwrap();
+        let named: Vec<_> = found.parameters();
+        let names: Vec<_> = named.iter().map(|(name, _)| *name).collect();
+        assert_eq!(names, ["MOT_THR_MAX", "THR_MDL_FAC"]);
+        assert!((named[0].1 - 8.1).abs() < 0.01 && (named[1].1 - 0.55).abs() < 0.01, "{named:?}");
+        assert!(found.warnings().is_empty(), "{:?}", found.warnings());
+    }
+}
+
+#[test]
+fn another_batterys_table_says_so_and_a_stalling_rotor_too() {
+    let stalls = |u: f64| if u > 0.7 { 0.23 - 0.3 * (u - 0.7) } else { 0.33 * u };
+    let table = parse_stand(&stand(40, 3.7, stalls), "stand.csv").unwrap();
+    let found = fit_stand(&table, table.range(), &Params::default()).unwrap();
+    assert!(found.thrust_max < 0.35, "{found:?}");
+    assert!((found.nominal_voltage.unwrap() - 3.7).abs() < 1e-9);
+    let warnings = found.warnings();
+    assert!(warnings.iter().any(|w| w.contains("MOT_V_NOM")), "{warnings:?}");
+    assert!(warnings.iter().any(|w| w.contains("mean thrust")), "{warnings:?}");
+}
+
+#[test]
+fn a_stands_table_is_refused_by_line_and_column() {
+    let error = |text: &str| parse_stand(text, "s.csv").map(drop).unwrap_err();
+    assert!(error("PWM,Thrust (stone)\n1,2\n").contains("thrust in \"stone\""));
+    assert!(error("Thrust (N)\n1\n").contains("no column of the ESC's signal"));
+    let text = error("PWM (us);Thrust (gf)\n1000;0\n1100;x\n");
+    assert_eq!(text, "s.csv: line 3, column Thrust (gf): \"x\" is no number");
+    // A comma is a decimal point where a semicolon parts the cells.
+    let table = parse_stand("PWM (us);Thrust (gf)\n1100;1,5\n", "s.csv").unwrap();
+    assert!((table.thrust[0] - 1.5 * 9.806_65e-3).abs() < 1e-12);
+    let few = parse_stand("PWM (us),Thrust (N)\n1000,0\n1500,2\n2000,5\n", "s.csv").unwrap();
+    let refused = fit_stand(&few, few.range(), &Params::default()).unwrap_err();
+    assert!(refused.contains("different throttles"), "{refused}");
+}
+
+#[test]
+fn a_slow_ramp_does_not_tell_the_lag() {
+    let mut text = String::from("t_s,pwm_1,pwm_2,pwm_3,pwm_4,thrust_N\n");
+    for row in 0..=400 {
+        let u = f64::from(row) / 400.0;
+        let pwm = 1000.0 + 1000.0 * u;
+        writeln!(text, "{:.2},{pwm},{pwm},{pwm},{pwm},{:.5}", u * 48.0, 4.0 * curve(u)).unwrap();
+    }
+    let record = read(&text).unwrap();
+    let found = fit_thrust_map(&record, PwmRange::guess(&record), &Params::default()).unwrap();
+    assert_eq!(found.lag, None);
+    assert!((found.thrust_max - 8.1).abs() < 0.05, "{found:?}");
+    assert!(found.parameters().iter().all(|(name, _)| *name != "MOT_TAU"));
 }
 
 #[test]

@@ -54,10 +54,20 @@ pub fn everything() -> Outcome {
     )
 }
 
-/// The table of faults, into `docs/faults.md`.
-pub fn faults(seeds: &str) -> Outcome {
+/// The table of faults, into `docs/faults.md` or, as figures, to standard output.
+pub fn faults(options: &[&str]) -> Outcome {
+    let (mut seeds, mut to) = ("20", &["--plot", "docs"][..]);
+    let mut options = options.iter();
+    while let Some(option) = options.next() {
+        match *option {
+            "--json" => to = &["--json"],
+            "--seeds" => seeds = options.next().ok_or("--seeds: how many?")?,
+            other => return Err(format!("faults: unknown option {other}")),
+        }
+    }
     run("cargo", &["build", "--release", "--locked", "-p", "tautline-sitl"])?;
-    run(sitl(), &["experiment", "faults", "--set", &format!("seeds={seeds}"), "--plot", "docs"])
+    let seeds = format!("seeds={seeds}");
+    run(sitl(), &[&["experiment", "faults", "--set", &seeds], to].concat())
 }
 
 /// The pymavlink flights alone.

@@ -3,8 +3,8 @@
 use super::Failure;
 use crate::scenario::{params_file, set_param};
 use crate::sysid::{
-    AHEAD, Identified, Prepared, PwmRange, RATE, Record, ThrustFit, draw_predictions,
-    fit_thrust_map, from_log, identify, prepare, read_csv, recommend,
+    AHEAD, Identified, Prepared, PwmRange, RATE, Record, ThrustFit, draw_predictions, fit_stand,
+    fit_thrust_map, from_log, identify, is_stand, prepare, read_csv, read_stand, recommend,
 };
 use clap::Args;
 use serde_json::{Map, Value, json};
@@ -15,7 +15,7 @@ use tautline_firmware::param::Params;
 /// Options of an identification.
 #[derive(Debug, Args)]
 #[command(
-    after_help = "Examples:\n  cargo sitl sysid flight.csv\n  cargo sitl sysid logs/flight-0001.ulg --out thrust.params --plot out\n  cargo sitl sysid flight.csv --pwm-range 1000,2000 --json\n\nThe table has columns t_s, four that begin with pwm_, thrust_N and perhaps voltage_V. Record it in\nfree flight: there the thrust is minus mass times the specific force along the body's down axis, and\nthat is what is taken from a log (its untethered part in Altitude or Stabilize)."
+    after_help = "Examples:\n  cargo sitl sysid flight.csv\n  cargo sitl sysid logs/flight-0001.ulg --out thrust.params --plot out\n  cargo sitl sysid flight.csv --pwm-range 1000,2000 --json\n\nThe table has columns t_s, four that begin with pwm_, thrust_N and perhaps voltage_V. Record it in\nfree flight: there the thrust is minus mass times the specific force along the body's down axis, and\nthat is what is taken from a log (its untethered part in Altitude or Stabilize). A thrust stand's table is\nread too: one rotor, a column of thrust with its unit in parentheses and one of the ESC's signal."
 )]
 pub struct Options {
     /// A table, or a log of an untethered flight
@@ -38,8 +38,8 @@ pub struct Options {
     params: Option<PathBuf>,
 }
 
-fn pwm_range(options: &Options, record: &Record) -> Result<PwmRange, String> {
-    let Some(text) = &options.pwm_range else { return Ok(PwmRange::guess(record)) };
+fn pwm_range(options: &Options, guess: PwmRange) -> Result<PwmRange, String> {
+    let Some(text) = &options.pwm_range else { return Ok(guess) };
     let pair = text
         .split_once(',')
         .and_then(|(low, high)| Some((low.trim().parse().ok()?, high.trim().parse().ok()?)));
@@ -49,6 +49,9 @@ fn pwm_range(options: &Options, record: &Record) -> Result<PwmRange, String> {
 
 /// Identifies and prints the result.
 pub fn run(options: &Options) -> Result<(), Failure> {
+    if is_a_stand(&options.file).map_err(Failure::Usage)? {
+        return run_stand(options);
+    }
     let mut before = Params::default();
     let is_log = options.file.extension().is_some_and(|e| e == "ulg");
     let record =
@@ -57,7 +60,7 @@ pub fn run(options: &Options) -> Result<(), Failure> {
     if let Some(path) = &options.params {
         super::load_params(&mut before, path)?;
     }
-    let range = pwm_range(options, &record).map_err(Failure::Usage)?;
+    let range = pwm_range(options, PwmRange::guess(&record)).map_err(Failure::Usage)?;
     let named = |e: String| Failure::Usage(format!("{}: {e}", options.file.display()));
     let data = prepare(&record).map_err(named)?;
     let found = identify(&data);
@@ -77,16 +80,7 @@ pub fn run(options: &Options) -> Result<(), Failure> {
         map => map.ok(),
     };
     if let (Some(path), Some(map)) = (&options.out, &map) {
-        // What the vehicle would refuse is not written.
-        let mut trial = before;
-        for (name, value) in map.parameters() {
-            set_param(&mut trial, name, value as f32).map_err(|e| write(path, &e))?;
-        }
-        fs::write(path, params_file::some_to_text(&map.parameters()))
-            .map_err(|e| write(path, &e))?;
-        if !options.json {
-            say!("Parameters: {}", path.display());
-        }
+        write_parameters(options, path, before, map)?;
     }
     if let Some(folder) = &options.plot {
         fs::create_dir_all(folder).map_err(|e| write(folder, &e))?;
@@ -95,6 +89,54 @@ pub fn run(options: &Options) -> Result<(), Failure> {
         if !options.json {
             say!("Picture: {}", path.display());
         }
+    }
+    Ok(())
+}
+
+fn is_a_stand(file: &Path) -> Result<bool, String> {
+    let is_log = file.extension().is_some_and(|e| e == "ulg");
+    if is_log { Ok(false) } else { is_stand(file) }
+}
+
+/// The curve alone: a stand tells no more.
+fn run_stand(options: &Options) -> Result<(), Failure> {
+    let named = |e: String| Failure::Usage(format!("{}: {e}", options.file.display()));
+    let stand = read_stand(&options.file).map_err(Failure::Usage)?;
+    let mut before = Params::default();
+    if let Some(path) = &options.params {
+        super::load_params(&mut before, path)?;
+    }
+    let range = pwm_range(options, stand.range()).map_err(Failure::Usage)?;
+    if options.plot.is_some() {
+        return Err(named("a stand's table has no predictions to draw".into()));
+    }
+    let map = fit_stand(&stand, range, &before).map_err(named)?;
+    if options.json {
+        let rows = stand.thrust.len();
+        say!("{}", to_json(&[], None, &Ok(map), rows));
+    } else {
+        let PwmRange { low, high } = range;
+        say!("A thrust stand's {} rows of one rotor (PWM {low} to {high}):", stand.thrust.len());
+        print_map(&map);
+    }
+    options.out.as_ref().map_or(Ok(()), |path| write_parameters(options, path, before, &map))
+}
+
+/// What the vehicle would refuse is not written.
+fn write_parameters(
+    options: &Options,
+    path: &Path,
+    before: Params,
+    map: &ThrustFit,
+) -> Result<(), Failure> {
+    let failed = |e: &dyn std::fmt::Display| Failure::Run(format!("{}: {e}", path.display()));
+    let mut trial = before;
+    for (name, value) in map.parameters() {
+        set_param(&mut trial, name, value as f32).map_err(|e| failed(&e))?;
+    }
+    fs::write(path, params_file::some_to_text(&map.parameters())).map_err(|e| failed(&e))?;
+    if !options.json {
+        say!("Parameters: {}", path.display());
     }
     Ok(())
 }
@@ -166,8 +208,14 @@ fn print_map(map: &ThrustFit) {
             map.residual
         );
     }
+    if map.lag.is_none() {
+        say!("  the record does not tell the motors' lag: MOT_TAU is left as it was");
+    }
     if !map.has_voltage {
-        say!("  no column voltage_V: the maximum holds at the record's mean voltage");
+        say!("  no voltage: the maximum holds at the record's mean voltage");
+    }
+    for warning in map.warnings() {
+        eprintln!("warning: {warning}");
     }
 }
 
@@ -213,5 +261,7 @@ fn map_to_json(map: &ThrustFit) -> Value {
         "residual_n": map.residual,
         "thrust_error_before": map.error_before,
         "has_voltage": map.has_voltage,
+        "lag_known": map.lag.is_some(),
+        "warnings": map.warnings(),
     })
 }

@@ -93,10 +93,11 @@ pub fn run(settings: &Overrides) -> Result<Report, String> {
         for (worst, now) in worst.iter_mut().zip([before, after]) {
             worst.iter_mut().zip(now).for_each(|(worst, x)| *worst = worst.max(x.abs()));
         }
+        let lag = fit.lag.ok_or("the flight does not tell the motors' lag")?;
         let now = [
             fit.thrust_max / true_max - 1.0,
             fit.factor - truth.throttle_curve.powi(2),
-            fit.lag - truth.rotor_time_constant,
+            lag - truth.rotor_time_constant,
         ];
         off.iter_mut().zip(now).for_each(|(off, x)| *off = off.max(x.abs()));
     }

@@ -11,6 +11,7 @@ mod minimize;
 mod polynomial;
 mod prepare;
 mod record;
+mod stand;
 mod subspace;
 mod thrust_map;
 
@@ -22,5 +23,6 @@ pub use log::{from_log, read_log};
 pub use polynomial::{Polynomial, largest_root};
 pub use prepare::{Prepared, RATE, Signals, low_pass_channel, prepare};
 pub use record::{CHANNELS, Record, parse_csv, read_csv};
+pub use stand::{Stand, fit_stand, is_stand, parse_stand, read_stand};
 pub use subspace::{StateSpace, subspace};
 pub use thrust_map::{PwmRange, ThrustFit, fit_thrust_map};
