@@ -11,6 +11,7 @@ pub const OUTER_DT: f64 = INNER_DT * DECIMATION as f64;
 
 /// Microseconds since boot.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Micros(pub u64);
 
 impl Micros {
@@ -33,6 +34,7 @@ impl Micros {
 
 /// A value and when it was true.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Sample<T> {
     /// When the sensor measured.
     pub at: Micros,

@@ -19,6 +19,7 @@
 //! | [`mod@bench`] | the papers' small worlds |
 //! | [`ulog`] | reading logs |
 //! | [`report`] | pictures |
+//! | [`replay`] | a log's inputs through the firmware's step again |
 //! | [`sysid`] | thrust identification |
 //! | [`experiment`] | the papers' results |
 //! | [`command`] | the command line |
@@ -34,6 +35,7 @@ pub mod flight;
 pub mod ground;
 pub mod metrics;
 pub mod plant;
+pub mod replay;
 pub mod report;
 pub mod scenario;
 pub mod sensor;

@@ -73,3 +73,14 @@ record! {
         xyz: [f32; 3],
     }
 }
+record! {
+    /// `step_inputs`: a piece of the stream of what went into the steps, for a replay.
+    StepInputs {
+        /// Of the piece, from 0.
+        sequence: u32,
+        /// Bytes of it that count.
+        length: u8,
+        /// The stream's.
+        bytes: [u8; 240],
+    }
+}

@@ -5,7 +5,7 @@ pub use super::estimators::{
 };
 use super::flight::{FAST, MEDIUM, RARE, SLOW, Scale};
 pub use super::raw::{
-    ActuatorOutputs, DistanceSensor, ManualControlSetpoint, SensorBaro, VehicleAirData,
+    ActuatorOutputs, DistanceSensor, ManualControlSetpoint, SensorBaro, StepInputs, VehicleAirData,
     VehicleAngularAcceleration,
 };
 pub use super::status::{

@@ -29,6 +29,7 @@ use line::{LineSense, LineState};
 
 /// What one count of the inertial sensor means, as its driver set it up.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct ImuScale {
     /// rad/s per count.
     pub gyro: f32,
@@ -40,6 +41,7 @@ pub struct ImuScale {
 
 /// Everything that drivers may hand over at one step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct RawSensors {
     /// Inertial sensor.
     pub imu: Option<Sample<RawImu>>,

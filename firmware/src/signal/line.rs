@@ -8,6 +8,7 @@ use crate::scalar::Scalar;
 ///
 /// The outer one turns about the nose axis, the inner one about the right-hand axis that the outer carries along.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct RawAngles {
     /// Outer, inner; `None`: it sees no magnet, or one that is too weak or too strong.
     pub counts: [Option<u16>; 2],
@@ -15,6 +16,7 @@ pub struct RawAngles {
 
 /// Load cell where the line leaves the vehicle.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct RawTension {
     /// Of the bridge's converter.
     pub counts: i32,
@@ -22,6 +24,7 @@ pub struct RawTension {
 
 /// Magnetometer, right-handed axes of the part.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct RawMagnetometer {
     /// x, y, z, 0.3 µT each.
     pub counts: [i16; 3],
@@ -29,6 +32,7 @@ pub struct RawMagnetometer {
 
 /// Direction in which the line leaves the station, as its encoders say.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct RawFairlead {
     /// From North, rad.
     pub azimuth: f32,
@@ -38,6 +42,7 @@ pub struct RawFairlead {
 
 /// Everything that drivers and the link may hand over of these at one step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct RawLineSensors {
     /// At the vehicle.
     pub angles: Option<RawAngles>,

@@ -5,6 +5,7 @@ use crate::supervisor::Mode;
 
 /// Who asked: the answer finds its way back by it, and in flight it says whether they may.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Ticket {
     /// MAVLink command number; 0 where no acknowledgement is wanted.
     pub command: u16,
@@ -18,6 +19,7 @@ pub struct Ticket {
 
 /// One request.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Request {
     /// For the answer.
     pub ticket: Ticket,
@@ -27,6 +29,7 @@ pub struct Request {
 
 /// Things that may be asked. Angles rad, lengths m; the values may be anything, the vehicle checks.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Action {
     /// Start the motors. `force` skips the checks, except those without which no flight is possible.
     Arm {
@@ -150,6 +153,7 @@ pub const CLOSED_THROTTLE: f32 = 0.05;
 
 /// Joystick, each axis -1..1.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Sticks {
     /// Right positive.
     pub roll: f32,

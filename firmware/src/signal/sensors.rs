@@ -7,6 +7,7 @@ use crate::time::Sample;
 
 /// Inertial sensor, counts in the sensor's own axes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct RawImu {
     /// Accelerometer x, y, z.
     pub accel: [i16; 3],
@@ -18,6 +19,7 @@ pub struct RawImu {
 
 /// Barometer, compensated by its driver.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct RawBarometer {
     /// Pressure in 1/100 Pa.
     pub pressure_centipascal: i32,
@@ -27,6 +29,7 @@ pub struct RawBarometer {
 
 /// Rangefinder, along the body's down axis.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct RawRange {
     /// Distance in cm; `None` where the part says that its reading is invalid.
     pub distance_cm: Option<u16>,
@@ -34,6 +37,7 @@ pub struct RawRange {
 
 /// Battery monitor: voltages at the two ADC pins, mV.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct RawBattery {
     /// At the voltage divider.
     pub voltage_mv: u16,
@@ -43,6 +47,7 @@ pub struct RawBattery {
 
 /// Ground end of the tether: length paid out, mm.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct RawTether {
     /// Winch encoder.
     pub length_mm: i32,
@@ -50,6 +55,7 @@ pub struct RawTether {
 
 /// Motion capture of the vehicle, as its sender says, in its own frame taken as NED.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct RawCapture {
     /// North, East, Down, m.
     pub position: [f32; 3],

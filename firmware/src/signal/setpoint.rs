@@ -2,6 +2,7 @@
 
 /// One of them; `None` for an axis that is not asked.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Setpoint {
     /// A place, world axes from the anchor; a velocity, fed forward or alone; a heading.
     Place {

@@ -121,6 +121,7 @@ macro_rules! modes {
         $(, $field:ident = $value:expr)*;)+) => {
         /// What the vehicle does with itself.
         #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+        #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
         pub enum Mode {
             $($(#[$doc])+ $mode,)+
         }

@@ -17,6 +17,7 @@ use crate::time::{Micros, Sample};
 
 /// Everything that one step may read.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct StepInput {
     /// Now.
     pub now: Micros,

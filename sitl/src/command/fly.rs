@@ -113,7 +113,7 @@ fn home(text: &str) -> Result<Home, String> {
     })
 }
 
-fn assignment(text: &str) -> Result<(String, f32), String> {
+pub(super) fn assignment(text: &str) -> Result<(String, f32), String> {
     let (name, value) = text.split_once('=').ok_or("expected NAME=VALUE")?;
     Ok((name.to_owned(), number(value)? as f32))
 }

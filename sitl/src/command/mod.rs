@@ -16,6 +16,7 @@ mod fly;
 mod network;
 mod outcome;
 mod plot;
+mod replay;
 mod scenario;
 mod speed;
 mod status;
@@ -65,6 +66,8 @@ enum Command {
     Sysid(sysid::Options),
     /// Measure what simulated time costs.
     Speed(speed::Options),
+    /// Run a log's recorded inputs through the firmware's step again.
+    Replay(replay::Options),
     /// Draw a log.
     Plot(plot::Options),
     /// Print a scenario with every key, or check one.
@@ -112,6 +115,7 @@ pub fn run() -> ExitCode {
         Some(Command::Experiment(options)) => experiment::run(&options),
         Some(Command::Sysid(options)) => sysid::run(&options),
         Some(Command::Speed(options)) => speed::run(&options),
+        Some(Command::Replay(options)) => replay::run(&options),
         Some(Command::Plot(options)) => plot::run(&options),
         Some(Command::Scenario(options)) => scenario::run(&options),
         Some(Command::Params) => {

@@ -4,12 +4,14 @@ mod autopilot;
 mod breakage;
 mod capture;
 mod environment;
+mod fingerprint;
 mod mavlink_sender;
 mod mission;
 mod physics;
 mod recorder;
 mod recorder_inputs;
 mod shadow;
+pub mod tape;
 mod verdict;
 mod world;
 
@@ -96,6 +98,7 @@ impl<W: Write> Flight<W> {
         let origin = Origin {
             scenario: toml::to_string(scenario).map_err(|e| ScenarioError(e.to_string()))?,
             seed,
+            begin: Some(flight.world.begin()),
         };
         let now = flight.world.now();
         flight.recorder = Some(Recorder::start(log, now, &origin, &params, shadows));
@@ -129,6 +132,9 @@ impl<W: Write> Flight<W> {
         }
         if let Some(recorder) = &mut self.recorder {
             recorder.write(&self.world.input, out, has_truth.then_some(plant));
+            if self.world.has_restarted() {
+                recorder.restart(self.world.begin());
+            }
         }
         self.events.extend(out.events.iter().map(|event| (time, *event)));
         out

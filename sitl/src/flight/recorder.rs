@@ -2,6 +2,7 @@
 
 use super::recorder_inputs::InputTopics;
 use super::shadow::{Shadow, ShadowEstimators};
+use super::tape::{Begin, Tape};
 use crate::plant::Plant;
 use nalgebra::UnitQuaternion;
 use std::io::{self, Write};
@@ -28,6 +29,8 @@ pub struct Origin {
     pub scenario: String,
     /// Of all that is random.
     pub seed: u64,
+    /// How the firmware starts, if its inputs are to be recorded.
+    pub begin: Option<Begin>,
 }
 
 /// Writes a log; the first write error ends it and is returned by [`Self::finish`].
@@ -39,6 +42,8 @@ pub struct Recorder<W: Write> {
     position: Topic,
     tether: Topic,
     inputs: InputTopics,
+    tape: Option<Tape>,
+    now: u64,
     shadows: Vec<(Shadow, Topic)>,
     estimators: ShadowEstimators,
     out: W,
@@ -79,6 +84,9 @@ impl<W: Write> Recorder<W> {
                 ulog.define::<VehicleLocalPosition>(POSITION, sink);
                 ulog.define::<TetherTruth>(TETHER, sink);
                 InputTopics::define(ulog, sink);
+                if origin.begin.is_some() {
+                    Tape::define(ulog, sink);
+                }
                 for shadow in shadows {
                     ulog.define::<EstimatorPosition>(shadow.topic(), sink);
                 }
@@ -90,6 +98,11 @@ impl<W: Write> Recorder<W> {
         let position = log.ulog.subscribe(POSITION, &mut sink);
         let tether = log.ulog.subscribe(TETHER, &mut sink);
         let inputs = InputTopics::subscribe(&mut log.ulog, params, &mut sink);
+        let tape = origin.begin.clone().map(|begin| {
+            let mut tape = Tape::subscribe(&mut log.ulog, &mut sink);
+            tape.begin(begin);
+            tape
+        });
         let subscribe = |&shadow: &Shadow| (shadow, log.ulog.subscribe(shadow.topic(), &mut sink));
         let shadows = shadows.iter().map(subscribe).collect();
         let estimators = ShadowEstimators::new(params);
@@ -100,6 +113,8 @@ impl<W: Write> Recorder<W> {
             position,
             tether,
             inputs,
+            tape,
+            now: now.0,
             shadows,
             estimators,
             out,
@@ -116,6 +131,10 @@ impl<W: Write> Recorder<W> {
         let truth = truth.filter(|_| self.log.is_due(MEDIUM));
         self.inputs.write(&mut self.log, input, out, &mut sink);
         self.log.write(out, &mut sink);
+        self.now = out.now.0;
+        if let Some(tape) = &mut self.tape {
+            tape.step(input, out, &mut self.log.ulog, &mut sink);
+        }
         if let Some(plant) = truth {
             let at = out.now.0;
             self.log.ulog.write(self.attitude, &true_attitude(at, plant), &mut sink);
@@ -137,6 +156,13 @@ impl<W: Write> Recorder<W> {
         self.steps += 1;
     }
 
+    /// The firmware starts anew.
+    pub fn restart(&mut self, begin: Begin) {
+        if let Some(tape) = &mut self.tape {
+            tape.begin(begin);
+        }
+    }
+
     /// What ended the log early, told once.
     pub fn trouble(&mut self) -> Option<String> {
         let error = self.error.as_ref().filter(|_| !self.is_told)?;
@@ -149,6 +175,11 @@ impl<W: Write> Recorder<W> {
     /// # Errors
     /// The first error of any write.
     pub fn finish(mut self) -> io::Result<W> {
+        let (file, error) = (&mut self.out, &mut self.error);
+        if let Some(tape) = &mut self.tape {
+            let mut sink = |bytes: &[u8]| put(file, error, bytes);
+            tape.finish(self.now, &mut self.log.ulog, &mut sink);
+        }
         if let Some(error) = self.error.take() {
             return Err(error);
         }

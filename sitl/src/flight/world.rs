@@ -1,5 +1,6 @@
 //! One millisecond at a time: plant → sensors → drivers → the firmware's step → ESCs.
 
+use super::tape::Begin;
 use super::{Autopilot, Environment};
 use crate::ground::{Host, Injection, Links, Uplink};
 use crate::scenario::{Arithmetic, Scenario, ScenarioError, Source};
@@ -33,6 +34,7 @@ pub struct World {
     pub is_watched: bool,
     /// What went into the last step, while somebody reads it.
     pub input: StepInput,
+    has_restarted: bool,
 }
 
 impl World {
@@ -63,6 +65,7 @@ impl World {
             is_heard: true,
             is_watched: false,
             input: StepInput::default(),
+            has_restarted: false,
         })
     }
 
@@ -184,6 +187,18 @@ impl World {
         StepInput { now: self.environment.now(), sensors, heartbeat_at, sticks, request }
     }
 
+    /// How the firmware starts now, or has started in the last step.
+    #[must_use]
+    pub fn begin(&self) -> Begin {
+        Begin::new(self.scalar, self.environment.sensors.scale(), self.vehicle.params())
+    }
+
+    /// Whether it did so at the end of the last step.
+    #[must_use]
+    pub fn has_restarted(&self) -> bool {
+        self.has_restarted
+    }
+
     /// The firmware starts anew with the parameters that it has, at rest.
     fn reboot(&mut self) {
         let params = *self.vehicle.params();
@@ -223,7 +238,8 @@ impl World {
         if self.links.count() > 0 {
             self.speak();
         }
-        if is_to_reboot(self.vehicle.output()) {
+        self.has_restarted = is_to_reboot(self.vehicle.output());
+        if self.has_restarted {
             self.reboot();
         }
         self.vehicle.output()
