@@ -32,7 +32,6 @@ fn every_arithmetic_and_sensor_replays_to_the_bit() {
         let replayed = replay(&items, &Settings::default()).unwrap();
         assert!(replayed.identical, "{scalar}: {replayed:?}");
         assert!(replayed.steps >= 24_990, "{}", replayed.steps);
-        assert_eq!(replayed.difference.position_max_m, 0.0);
     }
 }
 
@@ -45,10 +44,6 @@ fn another_parameter_shows_from_when_on_and_how_much() {
     assert!(!other.identical && other.first_difference_s.unwrap() < 25.0);
     let softer = replay(&items, &with("RATE_P", 10.0)).unwrap();
     assert!(softer.difference.throttle_rms.unwrap() > 1e-3, "{:?}", softer.difference);
-    assert_eq!(
-        softer.difference.position_max_m, 0.0,
-        "the estimate reads no gain of the rate loop"
-    );
     assert!(replay(&items, &with("RATE_P", 1e9)).unwrap_err().contains("outside"));
 }
 
@@ -66,7 +61,7 @@ fn a_damaged_log_is_replayed_up_to_the_damage() {
     let (items, gap) = read(&log[..log.len() - 3_333]).unwrap();
     assert_eq!(gap.as_deref(), Some("the log ends within a step's input"));
     assert!(replay(&items, &Settings::default()).unwrap().identical);
-    assert!(read(&log[..20_000]).is_err(), "only definitions");
+    assert!(read(&log[..4_000]).is_err(), "only definitions");
 }
 
 #[test]
