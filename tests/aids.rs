@@ -197,3 +197,18 @@ fn an_encoder_that_slips_a_metre_moves_nothing() {
     }
     assert_eq!(told(&flight, "Line length jumped: taken out"), 1, "there and back, once");
 }
+
+#[test]
+fn a_flow_sensor_and_a_receiver_are_fitted_by_one_word_each() {
+    let plain = flown("", 5.0).estimate_rms_m;
+    let flow = flown("[sensors]\nflow = true", 5.0).estimate_rms_m;
+    let rtk = flown("[sensors]\ngnss = \"rtk\"", 5.0).estimate_rms_m;
+    assert!(flow < 0.8 * plain && rtk < 0.05, "{plain} {flow} {rtk}");
+}
+
+#[test]
+fn a_plain_receiver_that_wanders_by_metres_does_not_carry_the_vehicle_along() {
+    // It may be as wrong as the line lets it, and no more: 1.2 m of wandering are not followed.
+    let off = flown("[sensors]\ngnss = \"plain\"", 5.0).estimate_rms_m;
+    assert!(off < 1.0, "{off}");
+}

@@ -2,10 +2,11 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, clippy::indexing_slicing, reason = "tests")]
 
-use tautline_sitl::flight::Flight;
 use tautline_sitl::flight::tape::Item;
+use tautline_sitl::flight::{Flight, Shadow};
 use tautline_sitl::replay::{Settings, read, replay};
 use tautline_sitl::scenario::Scenario;
+use tautline_sitl::ulog::{Log, Message};
 use tautline_tests::UP_AND_DOWN;
 
 fn logged(text: &str, seconds: f64) -> Vec<u8> {
@@ -42,9 +43,39 @@ fn another_parameter_shows_from_when_on_and_how_much() {
     assert!(same.identical, "what it was is no change");
     let other = replay(&items, &with("EST_KIND", 0.0)).unwrap();
     assert!(!other.identical && other.first_difference_s.unwrap() < 25.0);
-    let softer = replay(&items, &with("RATE_P", 10.0)).unwrap();
-    assert!(softer.difference.throttle_rms.unwrap() > 1e-3, "{:?}", softer.difference);
+    let softer = replay(&items, &with("RATE_P", 18.0)).unwrap();
+    assert!(softer.difference.throttle_rms.unwrap() > 1e-4, "{:?}", softer.difference);
+    let off = softer.difference.position_max_m;
+    assert!(off < 1e-9, "the estimate knows the thrust that acted, not the one asked here: {off}");
     assert!(replay(&items, &with("RATE_P", 1e9)).unwrap_err().contains("outside"));
+}
+
+#[test]
+fn the_simple_filter_beside_says_what_a_replay_with_it_says() {
+    let scenario = Scenario::parse(UP_AND_DOWN, "t.toml").unwrap();
+    let params = scenario.params().unwrap();
+    let mut flight = Flight::beside(&scenario, params, 3, Vec::new(), &[Shadow::Simple]).unwrap();
+    flight.fly(30.0);
+    let log = flight.finish_log().unwrap().unwrap();
+    let mut beside = Vec::new();
+    let mut truth = Vec::new();
+    for message in Log::new(&log).unwrap() {
+        let Message::Data(data) = message else { continue };
+        let into = match data.topic {
+            "estimator_simple" => &mut beside,
+            "vehicle_local_position_groundtruth" => &mut truth,
+            _ => continue,
+        };
+        into.push((data.time().unwrap(), data.number("position[2]").or(data.number("z")).unwrap()));
+    }
+    let (last, height) = *beside.last().unwrap();
+    assert!(last > 29.0, "{last}");
+    let at = truth.iter().find(|(time, _)| *time >= last - 0.03).unwrap();
+    assert!((height - at.1).abs() < 0.5, "{height} {at:?}");
+    let (items, _) = read(&log).unwrap();
+    let other = replay(&items, &with("EST_KIND", 0.0)).unwrap();
+    // Two filters that differ by decimetres, not a filter without its thrust that is lost.
+    assert!(other.difference.position_max_m < 2.0, "{:?}", other.difference);
 }
 
 #[test]

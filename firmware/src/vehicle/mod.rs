@@ -258,6 +258,12 @@ impl<S: Scalar> Vehicle<S> {
         &self.params
     }
 
+    /// One that runs beside another, on the same inputs, learns what that one's motors do: its own nobody flies.
+    pub fn follow(&mut self, flown: &Self) {
+        self.state.actuation = flown.state.actuation;
+        self.state.wrench = flown.state.wrench;
+    }
+
     /// Tension asked of the winch, N.
     #[must_use]
     pub fn winch_tension(&self) -> S {

@@ -57,6 +57,16 @@ impl Autopilot {
         }
     }
 
+    /// One that runs beside another, in the same scalar, learns what that one's motors do.
+    pub fn follow(&mut self, flown: &Self) {
+        match (self, flown) {
+            (Self::F32(own), Self::F32(flown)) => own.follow(flown),
+            (Self::F64(own), Self::F64(flown)) => own.follow(flown),
+            (Self::Q16(own), Self::Q16(flown)) => own.follow(flown),
+            _ => {}
+        }
+    }
+
     /// Its parameters.
     #[must_use]
     pub fn params(&self) -> &Params {

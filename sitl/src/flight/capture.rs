@@ -1,22 +1,51 @@
 //! Motion capture: cameras that track the vehicle and its rod, and a computer that publishes the poses by
-//! MAVLink: ODOMETRY, and DEBUG_VECT named `rod`. Late, noisy, and now and then not at all.
+//! MAVLink: ODOMETRY, and DEBUG_VECT named `rod`. Late, noisy, and now and then not at all. A flow sensor's and a satellite
+//! receiver's computers publish what they know in the same way.
 
 use super::mavlink_sender::MavlinkSender;
 use super::recorder::quaternion;
 use crate::plant::{Generator, Plant, RodPhase, V3, generator, normal, uniform};
-use crate::scenario::{CaptureSection, FaultKind, Faults};
+use crate::scenario::{CaptureSection, FaultKind, Faults, Gnss, Scenario};
 use mavlink::dialects::common::{DEBUG_VECT_DATA, MavFrame, ODOMETRY_DATA};
 use mavlink::types::CharArray;
 use nalgebra::UnitQuaternion;
 use std::collections::VecDeque;
 
-/// Id of the computer: a component for visual odometry.
+/// Ids of the computers: components for visual odometry.
 const COMPONENT: u8 = 197;
+const FLOW: u8 = 198;
+const RECEIVER: u8 = 199;
+/// A plain receiver's place wanders by so much, m, within so long, s, beside its noise; upwards by half as much again.
+const WANDER: (f64, f64) = (1.2, 60.0);
+const UPWARDS: f64 = 1.5;
+
+/// What a receiver's place is off, and does not average out soon.
+#[derive(Clone, Copy, Debug)]
+struct Wander {
+    sd: f64,
+    keep: f64,
+    now: V3,
+}
+
+impl Wander {
+    fn new((sd, time): (f64, f64), rate: f64) -> Self {
+        Self { sd, keep: (-1.0 / (rate * time)).exp(), now: V3::zeros() }
+    }
+
+    fn step(&mut self, rng: &mut Generator) -> V3 {
+        let kick = self.sd * (1.0 - self.keep * self.keep).sqrt();
+        let noise = V3::new(normal(rng), normal(rng), UPWARDS * normal(rng));
+        self.now = self.now * self.keep + noise * kick;
+        self.now
+    }
+}
 
 /// The cameras and what is in transit.
 #[derive(Debug)]
 pub struct MotionCapture {
     model: CaptureSection,
+    knows_attitude: bool,
+    wander: Option<Wander>,
     rng: Generator,
     sender: MavlinkSender,
     /// When it arrives, µs, and its bytes.
@@ -25,13 +54,33 @@ pub struct MotionCapture {
 }
 
 impl MotionCapture {
-    /// Nothing measured yet; a companion of the vehicle `system`.
+    /// All that the scenario has, as companions of the vehicle `system`; nothing measured yet.
     #[must_use]
-    pub fn new(model: CaptureSection, system: u8, seed: u64) -> Self {
+    pub fn all(scenario: &Scenario, system: u8, seed: u64) -> Vec<Self> {
+        let mut all = Vec::new();
+        if scenario.capture.rate > 0.0 {
+            all.push(Self::new(scenario.capture.clone(), (system, COMPONENT), generator(seed, 5)));
+        }
+        if scenario.sensors.flow {
+            let flow = Self::new(CaptureSection::flow(), (system, FLOW), generator(seed, 12));
+            all.push(Self { knows_attitude: false, ..flow });
+        }
+        if let Some(model) = scenario.sensors.gnss.receiver() {
+            let wander =
+                (scenario.sensors.gnss == Gnss::Plain).then(|| Wander::new(WANDER, model.rate));
+            let receiver = Self::new(model, (system, RECEIVER), generator(seed, 13));
+            all.push(Self { knows_attitude: false, wander, ..receiver });
+        }
+        all
+    }
+
+    fn new(model: CaptureSection, (system, component): (u8, u8), rng: Generator) -> Self {
         Self {
             model,
-            rng: generator(seed, 5),
-            sender: MavlinkSender::new(u32::from(system), COMPONENT),
+            knows_attitude: true,
+            wander: None,
+            rng,
+            sender: MavlinkSender::new(u32::from(system), component),
             in_transit: VecDeque::new(),
             next_us: 0,
         }
@@ -71,7 +120,8 @@ impl MotionCapture {
 
     fn frames(&mut self, now_us: u64, plant: &Plant, is_rod_visible: bool) -> Vec<Vec<u8>> {
         let body = &plant.body;
-        let place = self.with_noise(body.position, self.model.position_noise);
+        let off = self.wander.as_mut().map_or(V3::zeros(), |wander| wander.step(&mut self.rng));
+        let place = self.with_noise(body.position + off, self.model.position_noise);
         let [x, y, z] = if self.model.position { place } else { [f32::NAN; 3] };
         let own = body.attitude.inverse() * body.velocity * (1.0 + self.model.velocity_scale);
         let noise = self.model.velocity_noise;
@@ -83,7 +133,11 @@ impl MotionCapture {
             x,
             y,
             z,
-            q: quaternion(&attitude).map(|x| x as f32),
+            q: if self.knows_attitude {
+                quaternion(&attitude).map(|x| x as f32)
+            } else {
+                [f32::NAN; 4]
+            },
             vx,
             vy,
             vz,

@@ -31,7 +31,8 @@ pub struct Environment {
     breakage: Breakage,
     /// The ground end's computer.
     pub winch: Winch,
-    capture: Option<MotionCapture>,
+    /// Motion capture, and what publishes as it does.
+    captures: Vec<MotionCapture>,
     /// Another simulator's, instead of the plant's.
     pub physics: Option<Physics>,
     /// From the change of mode until the rod is released, s; and when that change was, s.
@@ -53,16 +54,13 @@ impl Environment {
             plant.push = Some(Push::new(Disturbance::new(scenario.push.kind, seed)));
         }
         let mounting = Mounting::from_parameter(params.board_rotation).unwrap_or(Mounting::ALIGNED);
-        let has_capture = scenario.capture.rate > 0.0;
         Self {
             breakage: Breakage::new(&plant),
             winch: Winch::new(params.system_id as u8),
             plant,
             sensors: SensorSuite::new(scenario, clock.clone(), mounting, seed),
             faults: Faults::new(&scenario.fault, &scenario.mission),
-            capture: has_capture.then(|| {
-                MotionCapture::new(scenario.capture.clone(), params.system_id as u8, seed)
-            }),
+            captures: MotionCapture::all(scenario, params.system_id as u8, seed),
             physics: None,
             reaction: scenario.rod.reaction,
             balancing_since: None,
@@ -147,7 +145,7 @@ impl Environment {
     /// Publishes the motion capture's frames that arrive now.
     pub fn publish_capture(&mut self, publish: &mut dyn FnMut(&[u8])) {
         let now_us = self.clock.now_us();
-        if let Some(capture) = &mut self.capture {
+        for capture in &mut self.captures {
             let is_cut = self.faults.cuts(Source::Companion, now_us as f64 * 1e-6);
             capture.step(now_us, &self.plant, &self.faults, &mut |frame| {
                 if !is_cut {

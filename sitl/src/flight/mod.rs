@@ -1,6 +1,7 @@
 //! A whole flight of a scenario, as fast as the machine can: for campaigns, tests and `--headless`.
 
 mod autopilot;
+mod beside;
 mod breakage;
 mod capture;
 mod environment;
@@ -131,7 +132,7 @@ impl<W: Write> Flight<W> {
             self.metrics.step(out, plant, self.mission.is_holding());
         }
         if let Some(recorder) = &mut self.recorder {
-            recorder.write(&self.world.input, out, has_truth.then_some(plant));
+            recorder.write(&self.world.input, &self.world.vehicle, has_truth.then_some(plant));
             if self.world.has_restarted() {
                 recorder.restart(self.world.begin());
             }

@@ -1,5 +1,7 @@
 //! The flight on disk: the firmware's own ULog, and the truth beside it.
 
+use super::autopilot::Autopilot;
+use super::beside::SimpleBeside;
 use super::recorder_inputs::InputTopics;
 use super::shadow::{Shadow, ShadowEstimators};
 use super::tape::{Begin, Tape};
@@ -12,7 +14,7 @@ use tautline_firmware::log::topics::{
 use tautline_firmware::log::{FlightLog, MEDIUM, Topic};
 use tautline_firmware::param::Params;
 use tautline_firmware::time::Micros;
-use tautline_firmware::vehicle::{StepInput, StepOutput};
+use tautline_firmware::vehicle::StepInput;
 
 /// Shadow estimators are written every so many steps.
 const SHADOW_PERIOD: u64 = 20;
@@ -46,6 +48,7 @@ pub struct Recorder<W: Write> {
     now: u64,
     shadows: Vec<(Shadow, Topic)>,
     estimators: ShadowEstimators,
+    simple: Option<SimpleBeside>,
     out: W,
     steps: u64,
     error: Option<io::Error>,
@@ -103,6 +106,8 @@ impl<W: Write> Recorder<W> {
             tape.begin(begin);
             tape
         });
+        let wants_simple = shadows.contains(&Shadow::Simple);
+        let simple = origin.begin.as_ref().filter(|_| wants_simple).and_then(SimpleBeside::new);
         let subscribe = |&shadow: &Shadow| (shadow, log.ulog.subscribe(shadow.topic(), &mut sink));
         let shadows = shadows.iter().map(subscribe).collect();
         let estimators = ShadowEstimators::new(params);
@@ -117,6 +122,7 @@ impl<W: Write> Recorder<W> {
             now: now.0,
             shadows,
             estimators,
+            simple,
             out,
             steps: 0,
             error,
@@ -125,7 +131,8 @@ impl<W: Write> Recorder<W> {
     }
 
     /// One step, what went into it, and the truth at its end, where somebody knows it.
-    pub fn write(&mut self, input: &StepInput, out: &StepOutput, truth: Option<&Plant>) {
+    pub fn write(&mut self, input: &StepInput, flown: &Autopilot, truth: Option<&Plant>) {
+        let out = flown.output();
         let (file, error) = (&mut self.out, &mut self.error);
         let mut sink = |bytes: &[u8]| put(file, error, bytes);
         let truth = truth.filter(|_| self.log.is_due(MEDIUM));
@@ -145,9 +152,16 @@ impl<W: Write> Recorder<W> {
         if !self.shadows.is_empty() {
             self.estimators
                 .step(out, |shadow| self.shadows.iter().any(|(asked, _)| *asked == shadow));
+            if let Some(simple) = &mut self.simple {
+                simple.step(input, flown);
+            }
             if self.steps.is_multiple_of(SHADOW_PERIOD) {
                 for (shadow, topic) in &self.shadows {
-                    if let Some(record) = self.estimators.record(*shadow, out.now.0) {
+                    let record = match (shadow, &self.simple) {
+                        (Shadow::Simple, Some(simple)) => simple.record(),
+                        _ => self.estimators.record(*shadow, out.now.0),
+                    };
+                    if let Some(record) = record {
                         self.log.ulog.write(*topic, &record, &mut sink);
                     }
                 }
@@ -158,6 +172,9 @@ impl<W: Write> Recorder<W> {
 
     /// The firmware starts anew.
     pub fn restart(&mut self, begin: Begin) {
+        if self.simple.is_some() {
+            self.simple = SimpleBeside::new(&begin);
+        }
         if let Some(tape) = &mut self.tape {
             tape.begin(begin);
         }

@@ -23,6 +23,8 @@ const CLEAR: f64 = 0.6;
 /// A filter that can run beside.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Shadow {
+    /// The firmware's own simple filter, on the same inputs
+    Simple,
     /// The article's with the tension known, from winch or mode
     Ekf3,
     /// The article's with the tension estimated
@@ -38,6 +40,7 @@ impl Shadow {
     #[must_use]
     pub fn topic(self) -> &'static str {
         match self {
+            Self::Simple => "estimator_simple",
             Self::Ekf3 => "estimator_ekf3",
             // The firmware's own has the plain name.
             Self::Ekf4 => "estimator_ekf4_article",
@@ -211,6 +214,8 @@ impl ShadowEstimators {
             record(x.position(), V3::new(c.x, c.y, c.z).map(f64::sqrt), x.tension())
         };
         match shadow {
+            // A whole firmware: see `beside.rs`.
+            Shadow::Simple => None,
             Shadow::Ekf3 => Some(filter(&flying.three)),
             Shadow::Ekf4 => Some(filter(&flying.four)),
             Shadow::LowPass => {

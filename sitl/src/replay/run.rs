@@ -184,6 +184,10 @@ pub fn replay(items: &[Item], settings: &Settings) -> Result<Replayed, String> {
             replayed.throttle.push((time, [mean_throttle(a), mean_throttle(b)]));
         }
         replayed.steps += 1;
+        // The thrust that acted is the recorded flight's, whatever the other one asked for.
+        if let Some(other) = other.as_mut() {
+            other.follow(own);
+        }
     }
     replayed.identical = replayed.steps > 0 && replayed.first_difference_s.is_none();
     replayed.difference = Difference {

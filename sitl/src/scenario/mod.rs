@@ -5,6 +5,7 @@
 
 mod arithmetic;
 mod check;
+mod companions;
 mod fault;
 mod key;
 mod mission;
@@ -18,6 +19,7 @@ mod wind_row;
 
 pub use arithmetic::Arithmetic;
 pub(crate) use check::within;
+pub use companions::Gnss;
 pub use fault::{
     Axis, FAULTS, FaultFacts, FaultKind, FaultRule, FaultSection, Faults, Source, When,
 };

@@ -1,6 +1,6 @@
 //! How an operator sets the scenario's vehicle up: its place at the start and its parameters.
 
-use super::{Scenario, ScenarioError, TetherKind, set_param};
+use super::{Gnss, Scenario, ScenarioError, TetherKind, set_param};
 use crate::plant::{Hub, hubs};
 use crate::sensor::NEWTON_PER_COUNT;
 use tautline_firmware::model::Rotors;
@@ -87,6 +87,7 @@ impl Scenario {
 
     fn own_params(&self) -> Result<Params, ScenarioError> {
         let (v, t) = (&self.vehicle, &self.tether);
+        let has_gnss = self.sensors.gnss != Gnss::None;
         let mut params = Params::default();
         let [ix, iy, iz] = v.inertia;
         let rotor_max = v.thrust_coefficient * v.rotor_speed_max * v.rotor_speed_max;
@@ -112,7 +113,7 @@ impl Scenario {
             ("TET_START_SLK", t.start_slack),
             ("TET_HDG0", v.heading),
             ("PND_LENGTH", self.rod.length),
-            ("CAP_DELAY", self.capture.delay),
+            ("CAP_DELAY", if has_gnss { Gnss::DELAY } else { self.capture.delay }),
         ];
         // What is not fitted is not set up.
         let cell = if self.sensors.tension_cell { NEWTON_PER_COUNT } else { 0.0 };
@@ -122,8 +123,8 @@ impl Scenario {
             (Aid::Fairlead, s.ground_angles),
             (Aid::Cell, s.tension_cell),
             (Aid::Compass, s.magnetometer),
-            (Aid::Position, self.capture.rate > 0.0 && self.capture.position),
-            (Aid::Velocity, self.capture.rate > 0.0 && self.capture.velocity_noise > 0.0),
+            (Aid::Position, has_gnss || self.capture.rate > 0.0 && self.capture.position),
+            (Aid::Velocity, s.flow || self.capture.rate > 0.0 && self.capture.velocity_noise > 0.0),
         ];
         let bit = |(aid, is_fitted): (Aid, bool)| f64::from(u8::from(is_fitted) << aid as u8);
         let [north, east, _] = s.magnetic_field;
@@ -133,6 +134,7 @@ impl Scenario {
             ("LNK_CELL_SCALE", cell),
             ("EST_AIDS", aids.into_iter().map(bit).sum()),
             ("EST_MAG_DECL", declination),
+            ("EST_POS_SD", if has_gnss { s.gnss.deviation() } else { 0.0 }),
         ];
         let known = known.into_iter().chain(fitted.into_iter().filter(|(_, value)| *value != 0.0));
         for (name, value) in known {

@@ -1,7 +1,7 @@
 //! All keys of a scenario's sections. One line each: key, type, unit, default, range.
 
-use super::WindRow;
 use super::key::sections;
+use super::{Gnss, WindRow};
 use crate::plant::Hub;
 use serde::{Deserialize, Serialize};
 
@@ -313,6 +313,10 @@ sections! {
         magnetic_offset: f64 ["T"] = 1e-5, in 0.0 ..= 1e-3;
         /// Field of the current that comes up the line, per ampere.
         magnetic_per_ampere: f64 ["T/A"] = 2e-7, in 0.0 ..= 1e-4;
+        /// An optical flow sensor with its computer: speed over the ground, 0.1 m/s of noise and 3 % of scale.
+        flow: bool [""] = false;
+        /// A satellite receiver: none, plain (metres off, and wandering) or rtk (2 cm).
+        gnss: Gnss [""] = Gnss::None;
         /// A second inertial sensor, with errors of its own.
         second_imu: bool [""] = false;
         /// Every n-th rangefinder frame loses a byte; 0 = none.
