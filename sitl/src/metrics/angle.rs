@@ -28,7 +28,7 @@ pub struct AngleMetrics {
 }
 
 /// The worse plane's figures.
-#[derive(Clone, Copy, Debug, Serialize)]
+#[derive(Clone, Copy, Debug, Default, Serialize)]
 pub struct AngleFlightSummary {
     /// Estimated against true tether angle, RMS, rad.
     pub estimate_rms_rad: f64,

@@ -92,6 +92,34 @@ pub struct Summary {
     pub lost: Option<&'static str>,
 }
 
+impl Summary {
+    /// With every figure that a flight can have: for who lists them.
+    #[must_use]
+    pub fn with_every_figure() -> Self {
+        Self {
+            hold_horizontal_rms_m: Some(0.0),
+            hold_horizontal_max_m: 0.0,
+            hold_vertical_rms_m: Some(0.0),
+            estimate_horizontal_rms_m: Some(0.0),
+            attitude_rms_rad: Some(0.0),
+            tilt_rms_rad: Some(0.0),
+            tension_rms_n: Some(0.0),
+            touch_down_mps: Some(0.0),
+            touch_down_drift_mps: Some(0.0),
+            touch_down_from_pad_m: Some(0.0),
+            farthest_m: 0.0,
+            highest_m: 0.0,
+            tilt_max_rad: 0.0,
+            has_armed: false,
+            place: Some(PlaceSummary::default()),
+            taut: Some(TautSummary::default()),
+            angle: Some(AngleFlightSummary::default()),
+            pendulum: Some(PendulumFlightSummary::default()),
+            lost: Some(""),
+        }
+    }
+}
+
 /// The estimate's rotation.
 fn estimated(out: &StepOutput) -> Rotation3<f64> {
     let m = out.estimate.attitude.0.map(f64::from);

@@ -21,7 +21,7 @@ pub struct PendulumMetrics {
 }
 
 /// Figures from the settling on; the tilt of all the time in the mode.
-#[derive(Clone, Copy, Debug, Serialize)]
+#[derive(Clone, Copy, Debug, Default, Serialize)]
 pub struct PendulumFlightSummary {
     /// s in the mode.
     pub time_s: f64,

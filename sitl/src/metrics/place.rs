@@ -36,7 +36,7 @@ pub struct PlaceMetrics {
 }
 
 /// Over all of Tether Hold in the air.
-#[derive(Clone, Copy, Debug, Serialize)]
+#[derive(Clone, Copy, Debug, Default, Serialize)]
 pub struct PlaceSummary {
     /// Estimate against truth, three coordinates, RMS, m.
     pub estimate_rms_m: f64,

@@ -33,7 +33,7 @@ pub struct TautMetrics {
 }
 
 /// What goes into tables and JSON.
-#[derive(Clone, Copy, Debug, Serialize)]
+#[derive(Clone, Copy, Debug, Default, Serialize)]
 pub struct TautSummary {
     /// Elevation against its reference, rad.
     pub elevation_rms_rad: f64,

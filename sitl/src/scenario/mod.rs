@@ -37,6 +37,7 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::Path;
 use tautline_firmware::param::{META, ParamError, Params};
+use toml::Table;
 
 /// The whole file.
 #[derive(Clone, Debug, Default, Deserialize, Serialize, PartialEq)]
@@ -102,22 +103,37 @@ impl Scenario {
     /// # Errors
     /// [`ScenarioError`].
     pub fn parse(text: &str, name: &str) -> Result<Self, ScenarioError> {
-        let scenario: Self = toml::from_str(text).map_err(|e| {
-            let before = e.span().and_then(|span| text.get(..span.start)).unwrap_or("");
-            let line = before.matches('\n').count() + 1;
-            let message = e.message().replace('\n', " ");
-            ScenarioError(format!("{name}:{line}: {message}"))
-        })?;
+        let scenario: Self =
+            toml::from_str(text).map_err(|e| ScenarioError(toml_error(name, text, &e)))?;
         // A second reading: the first one's errors name the lines of the file.
-        let scenario = match preset::written_out(text) {
-            Some(table) => {
-                table.try_into().map_err(|e| ScenarioError(format!("{name}: preset: {e}")))?
-            }
-            None => scenario,
+        let mut table = text.parse().unwrap_or_default();
+        let scenario = if preset::write_out(&mut table) {
+            table.try_into().map_err(|e| ScenarioError(format!("{name}: preset: {e}")))?
+        } else {
+            scenario
         };
         scenario.check().map_err(|e| ScenarioError(format!("{name}: {e}")))?;
         Ok(scenario)
     }
+
+    /// Checks what stands in a file, after something was put in.
+    ///
+    /// # Errors
+    /// One line naming the key.
+    pub fn from_table(mut table: Table) -> Result<Self, String> {
+        preset::write_out(&mut table);
+        let scenario: Self =
+            table.try_into().map_err(|e: toml::de::Error| e.message().replace('\n', " "))?;
+        scenario.check()?;
+        Ok(scenario)
+    }
+}
+
+/// One line that names file and line.
+pub(crate) fn toml_error(name: &str, text: &str, e: &toml::de::Error) -> String {
+    let before = e.span().and_then(|span| text.get(..span.start)).unwrap_or("");
+    let line = before.matches('\n').count() + 1;
+    format!("{name}:{line}: {}", e.message().replace('\n', " "))
 }
 
 /// Sets a parameter by name.

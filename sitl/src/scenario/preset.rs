@@ -22,11 +22,10 @@ pub(super) fn check(section: &str, name: &str) -> Result<(), String> {
     Err(format!("{section}.preset = {name:?} is none of {}", known.join(", ")))
 }
 
-/// A scenario's text with its presets written out; `None`: it names none that exists.
-pub(super) fn written_out(text: &str) -> Option<Table> {
-    let mut scenario: Table = text.parse().ok()?;
+/// Writes out the presets that a scenario names; `false`: it names none that exists.
+pub(super) fn write_out(scenario: &mut Table) -> bool {
     let mut has_preset = false;
-    for (name, section) in &mut scenario {
+    for (name, section) in scenario {
         let Some(section) = section.as_table_mut() else { continue };
         let Some(wanted) = section.get("preset").and_then(Value::as_str).map(str::to_owned) else {
             continue;
@@ -38,5 +37,5 @@ pub(super) fn written_out(text: &str) -> Option<Table> {
             section.entry(key).or_insert_with(|| value.clone());
         }
     }
-    has_preset.then_some(scenario)
+    has_preset
 }
