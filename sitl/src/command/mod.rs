@@ -16,6 +16,7 @@ mod fly;
 mod network;
 mod outcome;
 mod plot;
+mod progress;
 mod replay;
 mod scenario;
 mod speed;
