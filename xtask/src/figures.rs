@@ -144,31 +144,29 @@ fn campaigns() -> Result<String, String> {
     for (name, about) in CAMPAIGNS {
         let folder = format!("target/figures/{name}");
         sitl(&["campaign", &format!("sitl/campaigns/{name}.toml"), "--out", &folder])?;
-        let file = root().join(&folder).join("campaign-1-of-1.json");
+        let file = root().join(&folder).join("summary.json");
         let text = fs::read_to_string(&file).map_err(|e| format!("{}: {e}", file.display()))?;
-        let flights: Vec<Value> = serde_json::from_str(&text).map_err(|e| e.to_string())?;
-        let _ = writeln!(table, "{}", campaign_row(name, about, &flights));
+        let summary: Value = serde_json::from_str(&text).map_err(|e| e.to_string())?;
+        let row = campaign_row(name, about, &summary);
+        let row = row.ok_or_else(|| format!("{}: figures are missing", file.display()))?;
+        let _ = writeln!(table, "{row}");
     }
     Ok(table)
 }
 
-fn campaign_row(name: &str, about: &str, flights: &[Value]) -> String {
-    let values = |key: &str| -> Vec<f64> {
-        flights.iter().filter_map(|flight| flight.get(key)?.as_f64()).collect()
-    };
-    let worst = |key: &str| values(key).into_iter().fold(0.0, f64::max);
-    let horizontal = values("hold_horizontal_rms_m");
-    let mean = horizontal.iter().sum::<f64>() / horizontal.len().max(1) as f64;
-    let is_lost = |flight: &&Value| flight.get("complete") != Some(&Value::Bool(true));
-    let lost = flights.iter().filter(is_lost).count();
-    let seeds = format!("{} seeds", flights.len());
+fn campaign_row(name: &str, about: &str, summary: &Value) -> Option<String> {
+    let figure = |key: &str, of: &str| summary.get("figures")?.get(key)?.get(of)?.as_f64();
+    let count = |key: &str| summary.get(key)?.as_u64();
+    let seeds = format!("{} seeds", count("flown")?);
     let about = if about.is_empty() { seeds } else { format!("{about}; {seeds}") };
-    format!(
-        "| `{name}` ({about}) | {mean:.2} / {:.2} m | {:.2} m | {:.2} m/s | {lost} |",
-        worst("hold_horizontal_rms_m"),
-        worst("hold_vertical_rms_m"),
-        worst("touch_down_mps"),
-    )
+    Some(format!(
+        "| `{name}` ({about}) | {:.2} / {:.2} m | {:.2} m | {:.2} m/s | {} |",
+        figure("hold_horizontal_rms_m", "mean")?,
+        figure("hold_horizontal_rms_m", "max")?,
+        figure("hold_vertical_rms_m", "max")?,
+        figure("touch_down_mps", "max")?,
+        count("incomplete")?,
+    ))
 }
 
 fn experiments() -> Result<String, String> {
@@ -223,12 +221,19 @@ mod tests {
 
     #[test]
     fn a_campaigns_row_has_mean_worst_and_lost() {
-        let flights = [
-            json!({ "complete": true, "hold_horizontal_rms_m": 0.1, "hold_vertical_rms_m": 0.01, "touch_down_mps": 0.4 }),
-            json!({ "complete": false, "hold_horizontal_rms_m": 0.3, "hold_vertical_rms_m": null, "touch_down_mps": null }),
-        ];
-        let row = campaign_row("calm", "", &flights);
-        assert_eq!(row, "| `calm` (2 seeds) | 0.20 / 0.30 m | 0.01 m | 0.40 m/s | 1 |");
+        let summary = json!({
+            "flown": 2,
+            "incomplete": 1,
+            "figures": {
+                "hold_horizontal_rms_m": { "mean": 0.2, "max": 0.3 },
+                "hold_vertical_rms_m": { "mean": 0.01, "max": 0.01 },
+                "touch_down_mps": { "mean": 0.4, "max": 0.4 },
+            },
+        });
+        let row = campaign_row("calm", "", &summary);
+        let want = "| `calm` (2 seeds) | 0.20 / 0.30 m | 0.01 m | 0.40 m/s | 1 |";
+        assert_eq!(row.as_deref(), Some(want));
+        assert_eq!(campaign_row("calm", "", &json!({ "flown": 2 })), None);
     }
 
     #[test]
