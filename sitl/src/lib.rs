@@ -15,7 +15,7 @@
 //! | [`metrics`] | how well it was flown, against the truth |
 //! | [`flight`] | one flight: world, mission, log |
 //! | [`emulated`] | the same flight with an image under QEMU |
-//! | [`campaign`] | one flight over many seeds |
+//! | [`campaign`] | one scenario flown many times: varied, shared among machines, resumed |
 //! | [`mod@bench`] | the papers' small worlds |
 //! | [`ulog`] | reading logs |
 //! | [`report`] | pictures |

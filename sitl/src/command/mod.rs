@@ -57,7 +57,7 @@ struct Cli {
 enum Command {
     /// Fly a scenario and speak MAVLink over UDP (the default).
     Fly(fly::Options),
-    /// Fly a scenario over many seeds and judge it against limits.
+    /// Fly a scenario many times, varied, and judge it against limits.
     Campaign(campaign::Options),
     /// Fly a flight image under QEMU beside the same flight here.
     Emulate(emulate::Options),
