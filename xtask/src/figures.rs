@@ -143,6 +143,8 @@ fn campaigns() -> Result<String, String> {
     );
     for (name, about) in CAMPAIGNS {
         let folder = format!("target/figures/{name}");
+        // What was measured before, perhaps not to its end, is not gone on with.
+        let _ = fs::remove_dir_all(root().join(&folder));
         sitl(&["campaign", &format!("sitl/campaigns/{name}.toml"), "--out", &folder])?;
         let file = root().join(&folder).join("summary.json");
         let text = fs::read_to_string(&file).map_err(|e| format!("{}: {e}", file.display()))?;
