@@ -57,12 +57,9 @@ pub fn fly(scenario: &Scenario, seed: u64, limits: &Limits) -> Outcome {
     };
     flight.fly(LONGEST);
     let summary = flight.metrics.summary();
-    let mut reason = match (flight.mission.progress(), summary.lost) {
-        (_, Some(why)) => format!("lost: {why}"),
-        (Progress::Done, None) => String::new(),
-        (Progress::Failed(why), None) => why.clone(),
-        (Progress::Flying, None) => "not finished".into(),
-    };
+    let under_way = *flight.mission.progress() == Progress::Flying;
+    let unfinished = || under_way.then(|| "not finished".to_owned());
+    let mut reason = flight.shortcoming().or_else(unfinished).unwrap_or_default();
     let complete = reason.is_empty();
     let bounds = [
         ("hold_horizontal_rms_m", summary.hold_horizontal_rms_m, limits.hold_horizontal_rms_m),
