@@ -3,10 +3,7 @@
 use super::MavlinkSender;
 use crate::plant::{Plant, V3, Walk};
 use crate::scenario::{Step, TautControl};
-use mavlink::MessageData;
-use mavlink::dialects::common::{
-    COMMAND_LONG_DATA, HEARTBEAT_DATA, MANUAL_CONTROL_DATA, MavAutopilot, MavCmd, MavType,
-};
+use mavlink::dialects::common::{MANUAL_CONTROL_DATA, MavCmd};
 use tautline_firmware::supervisor::Mode;
 use tautline_runtime::status::Status;
 
@@ -59,13 +56,6 @@ fn taut_rest(status: &Status) -> Option<(f64, f64)> {
 
 fn is_at(x: f64, target: f64) -> bool {
     (x - target).abs() < 1e-3
-}
-
-/// Parameters of DO_SET_MODE: custom mode, then PX4's main and sub mode.
-fn set_mode(p: &mut [f32; 7], mode: Mode) {
-    let custom = mode.rule().custom_mode;
-    let [_, _, main, sub] = custom.to_le_bytes();
-    *p = [1.0, f32::from(main), f32::from(sub), 0.0, 0.0, 0.0, 0.0];
 }
 
 /// Sticks that shake all four motors: square waves of different periods on climb rate, roll and pitch,
@@ -163,12 +153,7 @@ impl MissionRunner {
         }
         if time >= self.heartbeat_at + HEARTBEAT_PERIOD {
             self.heartbeat_at = time;
-            let heartbeat = HEARTBEAT_DATA {
-                mavtype: MavType::MAV_TYPE_GCS,
-                autopilot: MavAutopilot::MAV_AUTOPILOT_INVALID,
-                ..HEARTBEAT_DATA::default()
-            };
-            self.send(&heartbeat, send);
+            send(&self.sender.ground_heartbeat());
         }
         let Some(step) = self.steps.get(self.at).cloned() else {
             self.progress = Progress::Done;
@@ -327,8 +312,8 @@ impl MissionRunner {
                     self.sticks = Some([0.0; 3]);
                 }
                 let Some(mode) = mode_of(step) else { return false };
-                set_mode(&mut p, mode);
-                MavCmd::MAV_CMD_DO_SET_MODE
+                send(&self.sender.set_mode(self.target, mode));
+                return true;
             }
             Step::Hold { .. }
             | Step::Excite { .. }
@@ -336,21 +321,7 @@ impl MissionRunner {
             | Step::CatchRod
             | Step::AwaitDisarmed { .. } => return false,
         };
-        let [param1, param2, param3, param4, param5, param6, param7] = p;
-        let message = COMMAND_LONG_DATA {
-            param1,
-            param2,
-            param3,
-            param4,
-            param5,
-            param6,
-            param7,
-            command,
-            target_system: self.target,
-            target_component: 1,
-            confirmation: 0,
-        };
-        self.send(&message, send);
+        send(&self.sender.command(self.target, command, p));
         true
     }
 
@@ -364,10 +335,6 @@ impl MissionRunner {
             target: self.target,
             ..MANUAL_CONTROL_DATA::default()
         };
-        self.send(&message, send);
-    }
-
-    fn send<D: MessageData>(&mut self, message: &D, send: &mut dyn FnMut(&[u8])) {
-        send(&self.sender.frame(message));
+        send(&self.sender.frame(&message));
     }
 }
