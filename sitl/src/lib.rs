@@ -23,21 +23,32 @@
 //! | [`sysid`] | thrust identification |
 //! | [`experiment`] | the papers' results |
 //! | [`command`] | the command line |
+//!
+//! Without the feature `cli` only what one flight needs is built, also for `wasm32-unknown-unknown`.
 
 #![forbid(unsafe_code)]
 
+#[cfg(feature = "cli")]
 pub mod bench;
+#[cfg(feature = "cli")]
 pub mod campaign;
+#[cfg(feature = "cli")]
 pub mod command;
+#[cfg(feature = "cli")]
 pub mod emulated;
+#[cfg(feature = "cli")]
 pub mod experiment;
 pub mod flight;
 pub mod ground;
 pub mod metrics;
 pub mod plant;
+#[cfg(feature = "cli")]
 pub mod replay;
+#[cfg(feature = "cli")]
 pub mod report;
 pub mod scenario;
 pub mod sensor;
+#[cfg(feature = "cli")]
 pub mod sysid;
+#[cfg(feature = "cli")]
 pub mod ulog;

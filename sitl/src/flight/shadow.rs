@@ -1,7 +1,6 @@
 //! Shadow estimators: the self-localisation filters run on what the firmware's sense stage reports, for
 //! the log; nothing flies on them.
 
-use clap::ValueEnum;
 use tautline_firmware::estimate::localization::{
     ErrorState, ErrorStateFilter, ErrorStateMeasurement, ErrorStateNoise, ErrorStateStart,
     LowPassLocator, LowPassState, NoiseReading, article_ekf, article_start,
@@ -21,7 +20,8 @@ const SLOW_PERIOD: u32 = 20;
 const CLEAR: f64 = 0.6;
 
 /// A filter that can run beside.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 pub enum Shadow {
     /// The firmware's own simple filter, on the same inputs
     Simple,

@@ -3,7 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 /// What the firmware computes with.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 #[serde(rename_all = "lowercase")]
 pub enum Arithmetic {
     /// Single precision, as the boards with an FPU fly.

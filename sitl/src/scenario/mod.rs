@@ -18,6 +18,7 @@ mod template;
 mod wind_row;
 
 pub use arithmetic::Arithmetic;
+#[cfg(feature = "cli")]
 pub(crate) use check::within;
 pub use companions::Gnss;
 pub use fault::{
