@@ -16,6 +16,8 @@
 //! | [`flight`] | one flight: world, mission, log |
 //! | [`emulated`] | the same flight with an image under QEMU |
 //! | [`campaign`] | one scenario flown many times: varied, shared among machines, resumed |
+//! | [`view`] | a flight as a page shows it |
+//! | [`campaign`] | one flight over many seeds |
 //! | [`mod@bench`] | the papers' small worlds |
 //! | [`ulog`] | reading logs |
 //! | [`report`] | pictures |
@@ -52,3 +54,4 @@ pub mod sensor;
 pub mod sysid;
 #[cfg(feature = "cli")]
 pub mod ulog;
+pub mod view;

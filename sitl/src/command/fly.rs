@@ -7,6 +7,7 @@ use super::outcome;
 use super::status::StatusLine;
 use crate::flight::{Address, Autopilot, Flight, Physics, Progress, Shadow, World};
 use crate::scenario::{Arithmetic, Scenario, Step, TetherKind, set_param};
+use crate::view::View;
 use clap::Args;
 use std::fs::{self, File};
 use std::io::BufWriter;
@@ -19,11 +20,13 @@ use tautline_firmware::param::Params;
 
 /// Network and pace are served every so many simulated milliseconds.
 const CHUNK_MS: u64 = 4;
+/// Of the page, where nobody names another one.
+const VIEW_PORT: &str = "8765";
 
 /// Options of a flight.
 #[derive(Debug, Args)]
 #[command(
-    after_help = "Examples:\n  cargo sitl fly --speedup 5 --home 47.3977,8.5456,488,90 --param TET_TENSION=8
+    after_help = "Examples:\n  cargo sitl fly --view\n  cargo sitl fly --speedup 5 --home 47.3977,8.5456,488,90 --param TET_TENSION=8
   cargo sitl fly --physics px4:127.0.0.1:4560 --headless"
 )]
 pub struct Options {
@@ -53,6 +56,9 @@ pub struct Options {
     /// Fly in another simulator's physics: px4:HOST:PORT (PX4's interface) or json:PORT (ArduPilot's JSON)
     #[arg(long, value_name = "INTERFACE")]
     physics: Option<Address>,
+    /// Serve a page on this machine that shows the flight and flies it, at a TCP port of 127.0.0.1
+    #[arg(long, value_name = "PORT", num_args = 0..=1, default_missing_value = VIEW_PORT, value_parser = clap::value_parser!(u16).range(1..))]
+    view: Option<u16>,
     /// Everything random follows from it
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
@@ -217,6 +223,8 @@ pub fn run(options: &Options) -> Result<(), Failure> {
     let links = &mut flight.world.links;
     let open = || Network::open(&options.network, &options.log_dir, links);
     let mut network = (!options.headless).then(open).transpose()?;
+    let open = |port| View::open(port, &scenario).map_err(Failure::Usage);
+    let mut view = options.view.map(open).transpose()?;
 
     describe(&scenario, options, &params);
     connect(options, &mut flight)?;
@@ -229,13 +237,16 @@ pub fn run(options: &Options) -> Result<(), Failure> {
         );
         say!("Connect QGroundControl, or: mavproxy.py --master=udp:127.0.0.1:14550. Ctrl-C ends.");
     }
+    if let Some(view) = &view {
+        say!("See and fly: {}", view.url());
+    }
     let stop = Arc::new(AtomicBool::new(false));
     let flag = Arc::clone(&stop);
     // Ctrl-C a second time would be lost without a handler; a failure to set one only costs the clean end.
     let _ = ctrlc::set_handler(move || flag.store(true, Ordering::Relaxed));
 
     let began = Instant::now();
-    simulate(options, &mut flight, network.as_mut(), &stop)?;
+    simulate(options, &mut flight, (network.as_mut(), view.as_mut()), &stop)?;
     let physics = flight.world.environment.physics.as_ref();
     let failure = physics.and_then(Physics::failure).map(|why| Failure::Run(why.to_owned()));
     let finished = finish(options, flight, network, began, &path);
@@ -261,11 +272,12 @@ fn has_failed(flight: &Flight<BufWriter<File>>) -> bool {
 fn simulate(
     options: &Options,
     flight: &mut Flight<BufWriter<File>>,
-    mut network: Option<&mut Network>,
+    (mut network, mut view): (Option<&mut Network>, Option<&mut View>),
     stop: &AtomicBool,
 ) -> Result<(), Failure> {
     // Another simulator sets the pace.
-    let is_paced = !options.headless && options.physics.is_none();
+    let is_watched = !options.headless || options.view.is_some();
+    let is_paced = is_watched && options.physics.is_none();
     let factor = options.speedup.unwrap_or(if is_paced { 1.0 } else { 0.0 });
     let has_mission = *flight.mission.progress() == Progress::Flying;
     let mut status = StatusLine::new();
@@ -287,6 +299,9 @@ fn simulate(
         }
         if let Some(network) = network.as_deref_mut() {
             network.receive(&mut flight.world.links);
+        }
+        if let Some(view) = view.as_deref_mut() {
+            view.serve(flight);
         }
         for _ in 0..chunk {
             flight.step(&mut |_| {});
