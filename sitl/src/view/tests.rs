@@ -243,7 +243,7 @@ fn every_trial_shows_its_row_in_a_hold() {
         }
         let time = flight.world.now().0 as f64 * 1e-6;
         flight.world.environment.faults.add(FaultSection {
-            motor: trial.motor,
+            rotor: trial.motor,
             ..FaultSection::new(trial.kind, trial.value, time)
         });
         let is_shown = |f: &Flight<Sink>| f.output().failures & trial.failure.mask() != 0;
