@@ -9,6 +9,7 @@ mod install;
 mod params;
 mod reach;
 mod speed;
+mod view;
 
 use std::process::{Command, ExitCode};
 
@@ -30,6 +31,8 @@ const USAGE: &str = "usage: cargo xtask TASK
   faults         fly 20 seeds (--seeds N) of each fault in each phase of a flight, write docs/faults.md; --json
                  prints the figures instead
   figures        measure the README's figures by campaigns and experiments and write them; --check only compares
+  view           bundle the page of `cargo sitl --view` with Node.js, and target/view/ with the simulator inside as
+                 WebAssembly; --check only compares the page; --test flies both in Debian's chromium
   flash IMAGE    build an image and write it to a board by probe-rs
   emulate        fly the F405 image under QEMU beside the same flights here; further arguments go to
                  `sitl emulate` (cargo sitl emulate --help)";
@@ -57,6 +60,9 @@ fn main() -> ExitCode {
         ["faults", more @ ..] => ci::faults(more),
         ["figures"] => figures::write(),
         ["figures", "--check"] => figures::check(),
+        ["view"] => view::build(),
+        ["view", "--check"] => view::check(),
+        ["view", "--test"] => view::test(),
         ["flash", image] => images::flash(image),
         ["emulate", more @ ..] => images::emulate(more),
         ["help" | "--help" | "-h"] => {
