@@ -7,6 +7,8 @@ import type { Snapshot } from "./types";
 const WINDOW = 60;
 /** Between two points, s. */
 const EVERY = 0.1;
+/** Between two drawings, ms. */
+const REFRESH = 200;
 
 type Value = number | null;
 interface Strip {
@@ -54,6 +56,7 @@ export class Charts {
   private plots: { plot: uPlot; strip: Strip; rows: Value[][]; box: HTMLElement }[] = [];
   private times: number[] = [];
   private isWhole = false;
+  private drawnAt = 0;
 
   constructor(private readonly place: HTMLElement, private readonly seek: (time: number) => void) {
     this.build();
@@ -121,6 +124,9 @@ export class Charts {
       this.times.shift();
       for (const { rows } of this.plots) for (const row of rows) row.shift();
     }
+    const now = performance.now();
+    if (now < this.drawnAt + REFRESH) return;
+    this.drawnAt = now;
     this.refresh();
   }
 

@@ -203,15 +203,20 @@ function wire(): void {
   world.recolor(dark.matches);
 }
 
+/** Between two frames, ms: what is shown comes 30 times a second. */
+const FRAME = 25;
+
 let before = performance.now();
 function frame(now: number): void {
-  const seconds = Math.min(0.1, (now - before) / 1000);
+  requestAnimationFrame(frame);
+  if (now < before + FRAME) return;
+  const passed = (now - before) / 1000;
+  const seconds = Math.min(0.25, passed);
   before = now;
   fly(now / 1000, seconds);
   if (player) player.advance(seconds);
   else if (source instanceof Flight) source.advance(seconds);
-  world.draw(seconds);
-  requestAnimationFrame(frame);
+  world.draw(passed);
 }
 
 async function start(): Promise<void> {

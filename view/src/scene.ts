@@ -18,6 +18,8 @@ const TRAIL_EVERY = 0.1;
 const DEVIATIONS = 2;
 /** Of the camera from the middle of a line without length, m. */
 const NEAREST = 5;
+/** Between two frames, s, on a machine for which it is too much. */
+const SLOW = 0.08;
 const COLORS = {
   light: { sky: "#eef2f6", grid: 0xb8c2cc, middle: 0x8896a5, line: 0x30363d },
   dark: { sky: "#12161b", grid: 0x2c343d, middle: 0x4a5663, line: 0xdfe6ee },
@@ -43,6 +45,8 @@ export class World {
   private followed = new Vector3();
   private axes = true;
   private isHeld = false;
+  private interval = 0;
+  private sharpness = 1;
 
   constructor(private readonly canvas: HTMLCanvasElement) {
     this.renderer = new WebGLRenderer({ canvas, antialias: true });
@@ -178,7 +182,13 @@ export class World {
   /** A frame; `seconds` since the last one. */
   draw(seconds: number): void {
     const { clientWidth: width, clientHeight: height } = this.canvas;
-    const ratio = Math.min(window.devicePixelRatio, 2);
+    this.interval += 0.1 * (Math.min(seconds, 0.5) - this.interval);
+    if (this.interval > SLOW) {
+      // Without a graphics processor it is the number of pixels that takes the time.
+      this.sharpness = Math.max(0.4, this.sharpness * 0.7);
+      this.interval = 0;
+    }
+    const ratio = Math.min(window.devicePixelRatio, 2) * this.sharpness;
     if (this.canvas.width !== Math.floor(width * ratio) || this.canvas.height !== Math.floor(height * ratio)) {
       this.renderer.setPixelRatio(ratio);
       this.renderer.setSize(width, height, false);
