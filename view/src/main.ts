@@ -15,6 +15,8 @@ import type { Ask, Listener, Panel, Snapshot, Source, Vec3 } from "./types";
 
 /** Between two positions of the sticks, s. */
 const STICKS_EVERY = 0.05;
+/** From the first one to a mode that flies by them, ms. */
+const STICKS_FIRST = 300;
 
 const world = new World(element<HTMLCanvasElement>("scene"));
 const hud = new Hud();
@@ -32,8 +34,17 @@ let sticksAt = 0;
 
 function ask(wanted: Ask): void {
   if (player) note("A log is shown: go back to the flight first.");
-  else if (source) source.ask(wanted);
+  else if (source && wanted.do === "mode" && fliesBySticks(wanted.name) && !sticks.isOn) {
+    // Refused without a joystick: it must have been heard first.
+    setSticks(true);
+    window.setTimeout(() => source?.ask(wanted), STICKS_FIRST);
+  } else if (source) source.ask(wanted);
   else note("Nothing flies here.");
+}
+
+/** Position holds its place without sticks, but begins with them. */
+function fliesBySticks(name: string): boolean {
+  return name === "Position" || (panel?.modes.some((mode) => mode.name === name && mode.by_sticks) ?? false);
 }
 
 function show(snapshot: Snapshot, pull: Vec3 | null): void {
