@@ -127,7 +127,7 @@ fn a_draw_depends_on_seed_key_and_index_and_on_nothing_else() {
 fn any_key_of_a_scenario_can_vary_and_a_preset_yields_to_it() {
     let folder = Folder::new("keys");
     let text = format!(
-        "[vehicle]\npreset = \"quad-3.5\"\n[[fault]]\nkind = \"wind_north\"\nvalue = 1.0\n{}",
+        "[vehicle]\npreset = \"quad-3.5\"\ninertia = [0.06, 0.06, 0.11]\n[[fault]]\nkind = \"wind_north\"\nvalue = 1.0\n{}",
         super::folder::QUICK.replace("[params]\n", "[params]\nTET_TENSION = 9\n")
     );
     folder.write("quick.toml", &text);
@@ -141,6 +141,7 @@ fn any_key_of_a_scenario_can_vary_and_a_preset_yields_to_it() {
     assert!(e.contains("vehicle.inertia[1]"), "{e}");
     let scenario = campaign.scenario(0).unwrap();
     assert_eq!(scenario.vehicle.mass, 3.0);
+    assert_eq!(scenario.vehicle.inertia, [0.06, 0.07, 0.11]);
     assert_eq!(scenario.vehicle.arm, 0.23, "of the preset");
     assert_eq!(scenario.params["TET_TENSION"], 10.0);
     assert!((2.0..=3.0).contains(&scenario.fault[0].value));
