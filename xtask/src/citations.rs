@@ -2,9 +2,9 @@
 //!
 //! Three kinds of reference are followed: a citation such as "`planar` section 7.4" to a heading with that number in
 //! `docs/theory/`, a relative link of a Markdown document to a file and a heading in it, and the key of a paper in
-//! brackets to its heading in `docs/papers.md`.
+//! brackets to its heading in `docs/papers.md`. And the README's figures want a source at all: `claims.rs`.
 
-use crate::{Outcome, root};
+use crate::{Outcome, claims, root};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Component, Path, PathBuf};
 use std::process::Command;
@@ -96,6 +96,11 @@ fn judge(sources: &[Source], paths: &BTreeSet<String>) -> (usize, Vec<String>) {
             say(line, (!keys.contains(&key)).then_some(why));
         }
         let is_document = source.path.starts_with("docs/") && source.path.ends_with(".md");
+        if source.path == FRONT[0] {
+            for (line, words) in claims::unsourced(&source.text) {
+                say(line, Some(format!("figures without a command or a link: {words}")));
+            }
+        }
         if is_document || FRONT.contains(&source.path.as_str()) {
             for (line, target) in links(&source.text) {
                 say(line, broken(&source.path, &target, paths, &anchors));

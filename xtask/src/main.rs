@@ -2,6 +2,7 @@
 
 mod ci;
 mod citations;
+mod claims;
 mod cost;
 mod figures;
 mod images;
@@ -20,7 +21,8 @@ const USAGE: &str = "usage: cargo xtask TASK
 
   ci             install what is missing, then check everything (what .ci/run runs)
   params         write docs/parameters.md from the parameter table; --check only compares
-  citations      follow every cited section, key of a paper and link between documents
+  citations      follow every cited section, key of a paper and link between documents; the README's figures must
+                 have a command or a link
   nopanic        link Vehicle::step with a panic handler that does not exist; walk the images' flight tasks
   clients        the pymavlink and pyulog flights alone
   size           build all images, print flash and static RAM against their limits; --json;
