@@ -11,6 +11,7 @@ mod params;
 mod reach;
 mod speed;
 mod view;
+mod topics;
 
 use std::process::{Command, ExitCode};
 
@@ -21,6 +22,7 @@ const USAGE: &str = "usage: cargo xtask TASK
 
   ci             install what is missing, then check everything (what .ci/run runs)
   params         write docs/parameters.md from the parameter table; --check only compares
+  topics         write docs/topics.md from the log's tables; --check only compares
   citations      follow every cited section, key of a paper and link between documents; the README's figures must
                  have a command or a link
   nopanic        link Vehicle::step with a panic handler that does not exist; walk the images' flight tasks
@@ -46,6 +48,8 @@ fn main() -> ExitCode {
         ["ci"] => ci::everything(),
         ["params"] => params::write(),
         ["params", "--check"] => params::check(),
+        ["topics"] => topics::write(),
+        ["topics", "--check"] => topics::check(),
         ["citations"] => citations::check(),
         ["nopanic"] => {
             ci::nopanic().and_then(|()| images::size(false)).and_then(|()| images::walk())

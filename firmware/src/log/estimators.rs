@@ -49,7 +49,7 @@ record! {
         link_force: f32,
         /// m/s².
         residual: f32,
-        /// Azimuth minus heading, rad; zero outside the taut-link modes.
+        /// rad; azimuth minus heading, zero outside the taut-link modes.
         azimuth: f32,
         /// rad; zero outside the taut-link modes.
         roll: f32,

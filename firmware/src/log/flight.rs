@@ -1,7 +1,7 @@
 //! The vehicle's topics in the log.
 
 use super::topics as t;
-use super::ulog::{Record, Sink, Topic, Ulog};
+use super::ulog::{FieldMeta, Record, Sink, Topic, Ulog};
 use crate::model::{Rotors, thrust_max};
 use crate::param::{ALIASES, Kind, META, Params};
 use crate::signal::{EVENTS_MAX, TEXT_MAX};
@@ -16,6 +16,12 @@ pub struct Period {
 }
 
 impl Period {
+    /// Per second: by default, and with `LOG_FULL`.
+    #[must_use]
+    pub const fn per_second(self) -> (u32, u32) {
+        (1000 / self.usual, 1000 / self.full)
+    }
+
     /// Whether a step is one of those.
     #[must_use]
     pub fn has(self, step: u32, is_full: bool) -> bool {
@@ -66,9 +72,48 @@ pub trait FlightTopic: Record + Sized {
     fn of(out: &StepOutput, scale: &Scale) -> Option<Self>;
 }
 
+/// A topic in words.
+#[derive(Clone, Copy, Debug)]
+pub struct TopicMeta {
+    /// In the log.
+    pub name: &'static str,
+    /// What it is.
+    pub doc: &'static str,
+    /// How often, where the vehicle writes it.
+    pub every: Option<Period>,
+    /// [`FlightTopic::ON_CHANGE`].
+    pub is_on_change: bool,
+    /// The time stamp first.
+    pub fields: &'static [FieldMeta],
+    /// Of each.
+    pub field_docs: &'static [&'static str],
+}
+
+impl TopicMeta {
+    /// Of a topic that somebody else writes.
+    #[must_use]
+    pub const fn new<T: Record>(name: &'static str) -> Self {
+        Self {
+            name,
+            doc: T::DOC,
+            every: None,
+            is_on_change: false,
+            fields: T::FIELDS,
+            field_docs: T::FIELD_DOCS,
+        }
+    }
+
+    const fn flown<T: FlightTopic>() -> Self {
+        Self { every: Some(T::EVERY), is_on_change: T::ON_CHANGE, ..Self::new::<T>(T::NAME) }
+    }
+}
+
 /// All topics, in the order in which they stand in the log. A new one is a `record!` and a line here.
 macro_rules! flight_topics {
     ($($topic:ident)+) => {
+        /// What the vehicle logs, for documents.
+        pub const TOPICS: &[TopicMeta] = &[$(TopicMeta::flown::<t::$topic>()),+];
+
         const NAMES: [&str; [$(stringify!($topic)),+].len()] = [$(t::$topic::NAME),+];
 
         /// More than all that one step may have to say, bytes: every topic, a gap before and the events.

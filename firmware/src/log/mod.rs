@@ -13,5 +13,7 @@ mod status;
 pub mod topics;
 mod ulog;
 
-pub use flight::{FlightLog, FlightTopic, MEDIUM, Period, SLOW, STEP_BYTES, Scale};
+pub use flight::{
+    FlightLog, FlightTopic, MEDIUM, Period, SLOW, STEP_BYTES, Scale, TOPICS, TopicMeta,
+};
 pub use ulog::{Field, FieldMeta, Record, Sink, Topic, Ulog};

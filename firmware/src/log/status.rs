@@ -203,7 +203,7 @@ record! {
         accel_vibration_metric: f32,
         /// Of the die, °C.
         temperature_accel: f32,
-        /// The same die.
+        /// Of the same die, °C.
         temperature_gyro: f32,
     }
     topic "vehicle_imu_status" every RARE;

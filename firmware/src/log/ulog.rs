@@ -119,6 +119,10 @@ pub struct FieldMeta {
 pub trait Record {
     /// Its fields, the time stamp first.
     const FIELDS: &'static [FieldMeta];
+    /// What it is, in words. Not in an image: nothing there asks for them.
+    const DOC: &'static str;
+    /// Each field in words, with its unit.
+    const FIELD_DOCS: &'static [&'static str];
     /// Of a message with one, head and topic included.
     const BYTES: usize;
     /// The fields in that order.
@@ -129,17 +133,17 @@ pub trait Record {
 /// `topics.rs`.
 macro_rules! record {
     (
-        $(#[$meta:meta])*
-        $name:ident { $($(#[$field_meta:meta])* $field:ident : $t:ty,)+ }
+        $(#[doc = $doc:literal])+
+        $name:ident { $($(#[doc = $field_doc:literal])+ $field:ident : $t:ty,)+ }
         $(topic $topic:literal every $every:expr $(, on change $change:literal)?;
         of |$out:ident $(, $scale:ident)?| $of:expr)?
     ) => {
-        $(#[$meta])*
+        $(#[doc = $doc])+
         #[derive(Clone, Copy, Debug, PartialEq)]
         pub struct $name {
             /// µs since boot.
             pub timestamp: u64,
-            $($(#[$field_meta])* pub $field: $t,)+
+            $($(#[doc = $field_doc])+ pub $field: $t,)+
         }
         impl $crate::log::Record for $name {
             const FIELDS: &'static [$crate::log::FieldMeta] = &[
@@ -150,6 +154,9 @@ macro_rules! record {
                     name: stringify!($field),
                 },)+
             ];
+            const DOC: &'static str = concat!($($doc),+);
+            const FIELD_DOCS: &'static [&'static str] =
+                &[" µs since boot.", $(concat!($($field_doc),+),)+];
             const BYTES: usize = $crate::log::ulog::HEAD + 2 + 8 $(+ size_of::<$t>())+;
             fn encode(&self, out: &mut $crate::log::ulog::Body) {
                 $crate::log::Field::put(&self.timestamp, out);

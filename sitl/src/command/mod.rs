@@ -23,6 +23,7 @@ mod speed;
 mod status;
 mod sysid;
 
+use crate::flight::topics_page;
 use crate::scenario::params_file;
 use clap::{Parser, Subcommand};
 use std::path::Path;
@@ -73,6 +74,9 @@ enum Command {
     Plot(plot::Options),
     /// Print a scenario with every key, or check one.
     Scenario(scenario::Options),
+    /// Print every topic of a log with its fields and units.
+    #[command(after_help = "Example:\n  cargo sitl topics > docs/topics.md")]
+    Topics,
     /// Print all parameters in QGroundControl's file format.
     #[command(after_help = "Example:\n  cargo sitl params > mine.params")]
     Params,
@@ -119,6 +123,10 @@ pub fn run() -> ExitCode {
         Some(Command::Replay(options)) => replay::run(&options),
         Some(Command::Plot(options)) => plot::run(&options),
         Some(Command::Scenario(options)) => scenario::run(&options),
+        Some(Command::Topics) => {
+            say!("{}", topics_page().trim_end());
+            Ok(())
+        }
         Some(Command::Params) => {
             say!("{}", params_file::to_text(&Params::default()).trim_end());
             Ok(())

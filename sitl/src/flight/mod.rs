@@ -13,6 +13,7 @@ mod recorder;
 mod recorder_inputs;
 mod shadow;
 pub mod tape;
+mod topics;
 mod verdict;
 mod world;
 
@@ -23,6 +24,7 @@ pub use mission::{MissionRunner, Progress};
 pub use physics::{Address, Physics};
 pub use recorder::{Origin, Recorder};
 pub use shadow::Shadow;
+pub use topics::topics_page;
 pub use verdict::FlightVerdict;
 pub use world::World;
 

@@ -11,7 +11,7 @@ use std::io::{self, Write};
 use tautline_firmware::log::topics::{
     EstimatorPosition, TetherTruth, VehicleAngularVelocity, VehicleAttitude, VehicleLocalPosition,
 };
-use tautline_firmware::log::{FlightLog, MEDIUM, Topic};
+use tautline_firmware::log::{FlightLog, MEDIUM, Topic, TopicMeta};
 use tautline_firmware::param::Params;
 use tautline_firmware::time::Micros;
 use tautline_firmware::vehicle::StepInput;
@@ -23,6 +23,14 @@ const ATTITUDE: &str = "vehicle_attitude_groundtruth";
 const RATE: &str = "vehicle_angular_velocity_groundtruth";
 const POSITION: &str = "vehicle_local_position_groundtruth";
 const TETHER: &str = "tether_state_groundtruth";
+
+/// The truth.
+pub const TRUTH: &[TopicMeta] = &[
+    TopicMeta::new::<VehicleAttitude>(ATTITUDE),
+    TopicMeta::new::<VehicleAngularVelocity>(RATE),
+    TopicMeta::new::<VehicleLocalPosition>(POSITION),
+    TopicMeta::new::<TetherTruth>(TETHER),
+];
 
 /// What a flight is flown again by.
 #[derive(Clone, Debug)]
@@ -82,10 +90,9 @@ impl<W: Write> Recorder<W> {
                 ulog.info("ver_sw_git", env!("TAUTLINE_REVISION"), sink);
                 ulog.info_number("sitl_seed", origin.seed, sink);
                 ulog.long_info("sitl_scenario", &origin.scenario, sink);
-                ulog.define::<VehicleAttitude>(ATTITUDE, sink);
-                ulog.define::<VehicleAngularVelocity>(RATE, sink);
-                ulog.define::<VehicleLocalPosition>(POSITION, sink);
-                ulog.define::<TetherTruth>(TETHER, sink);
+                for topic in TRUTH {
+                    ulog.define_fields(topic.name, topic.fields, sink);
+                }
                 InputTopics::define(ulog, sink);
                 if origin.begin.is_some() {
                     Tape::define(ulog, sink);

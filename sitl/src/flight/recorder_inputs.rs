@@ -5,7 +5,7 @@ use tautline_firmware::log::topics::{
     ActuatorOutputs, DistanceSensor, ManualControlSetpoint, SensorBaro, VehicleAirData,
     VehicleAngularAcceleration,
 };
-use tautline_firmware::log::{FlightLog, MEDIUM, SLOW, Sink, Topic, Ulog};
+use tautline_firmware::log::{FlightLog, MEDIUM, SLOW, Sink, Topic, TopicMeta, Ulog};
 use tautline_firmware::param::Params;
 use tautline_firmware::time::{Micros, Sample};
 use tautline_firmware::vehicle::{StepInput, StepOutput};
@@ -49,7 +49,10 @@ macro_rules! names {
         impl Named for $topic {
             const NAME: &'static str = $name;
         }
-    )+};
+    )+
+        /// All of them.
+        pub const TOPICS: &[TopicMeta] = &[$(TopicMeta::new::<$topic>($name)),+];
+    };
 }
 names! {
     DistanceSensor "distance_sensor"
@@ -63,15 +66,9 @@ names! {
 impl InputTopics {
     /// Into the log's definitions.
     pub fn define(ulog: &mut Ulog, sink: Sink) {
-        fn define<T: Named>(ulog: &mut Ulog, sink: Sink) {
-            ulog.define::<T>(T::NAME, sink);
+        for topic in TOPICS {
+            ulog.define_fields(topic.name, topic.fields, sink);
         }
-        define::<DistanceSensor>(ulog, sink);
-        define::<SensorBaro>(ulog, sink);
-        define::<VehicleAirData>(ulog, sink);
-        define::<ManualControlSetpoint>(ulog, sink);
-        define::<ActuatorOutputs>(ulog, sink);
-        define::<VehicleAngularAcceleration>(ulog, sink);
     }
 
     /// After the definitions.
