@@ -319,7 +319,7 @@ fn cited_keys(flat: &Flat) -> Vec<(usize, String)> {
 }
 
 /// Targets of a document's links and pictures, without those to the web.
-fn links(text: &str) -> Vec<(usize, String)> {
+pub fn links(text: &str) -> Vec<(usize, String)> {
     let mut found = Vec::new();
     for (line, words) in prose(text) {
         // Every second piece is code.
@@ -356,7 +356,7 @@ fn broken(
 }
 
 /// A path that is relative to a document, from the root.
-fn resolve(from: &str, file: &str) -> Option<String> {
+pub fn resolve(from: &str, file: &str) -> Option<String> {
     let mut path = PathBuf::new();
     for part in Path::new(from).parent()?.join(file).components() {
         match part {

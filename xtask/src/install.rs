@@ -48,19 +48,28 @@ pub fn python_clients() -> Result<String, String> {
     Ok(PYTHON.to_owned())
 }
 
-const FLIP_LINK: &str = "0.1.12";
-
-/// The linker that puts the stack below the data, in the project's own folder.
+/// The linker that puts the stack below the data.
 pub fn flip_link() -> Result<String, String> {
-    let program = root().join("target/tools/bin/flip-link");
-    if !program.exists() {
-        println!("installing flip-link {FLIP_LINK} into target/tools from crates.io");
-        run(
-            "cargo",
-            &["install", "flip-link", "--version", FLIP_LINK, "--locked", "--root", "target/tools"],
-        )?;
+    tool("flip-link", "0.1.12", &[])
+}
+
+/// What makes a book of Markdown; without its server.
+pub fn mdbook() -> Result<String, String> {
+    tool("mdbook", "0.5.4", &["--no-default-features"])
+}
+
+const TOOLS: &str = "target/tools";
+
+/// A program from crates.io, in the project's own folder.
+fn tool(name: &str, version: &str, more: &[&str]) -> Result<String, String> {
+    let installed = std::fs::read_to_string(root().join(TOOLS).join(".crates.toml"));
+    if !installed.unwrap_or_default().contains(&format!("\"{name} {version} ")) {
+        println!("installing {name} {version} into {TOOLS} from crates.io");
+        let install = ["install", name, "--version", version, "--locked", "--root", TOOLS];
+        run("cargo", &[&install[..], more].concat())?;
     }
-    let program = program.canonicalize().map_err(|e| format!("flip-link: {e}"))?;
+    let program = root().join(TOOLS).join("bin").join(name);
+    let program = program.canonicalize().map_err(|e| format!("{name}: {e}"))?;
     Ok(program.display().to_string())
 }
 

@@ -1,5 +1,6 @@
 //! Project tasks. `cargo xtask ci` passes all tests from a fresh clone; the others are its parts.
 
+mod book;
 mod ci;
 mod citations;
 mod claims;
@@ -22,6 +23,8 @@ const USAGE: &str = "usage: cargo xtask TASK
 
   ci             install what is missing, then check everything (what .ci/run runs)
   params         write docs/parameters.md from the parameter table; --check only compares
+  book           make a book of docs/ by mdBook, which is installed first: target/book/index.html; fails on a page that
+                 docs/SUMMARY.md lacks, and on a link that leads nowhere
   topics         write docs/topics.md from the log's tables; --check only compares
   citations      follow every cited section, key of a paper and link between documents; the README's figures must
                  have a command or a link
@@ -48,6 +51,7 @@ fn main() -> ExitCode {
         ["ci"] => ci::everything(),
         ["params"] => params::write(),
         ["params", "--check"] => params::check(),
+        ["book"] => book::build(),
         ["topics"] => topics::write(),
         ["topics", "--check"] => topics::check(),
         ["citations"] => citations::check(),
