@@ -6,7 +6,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use tautline_firmware::log::{FlightLog, STEP_BYTES};
 use tautline_firmware::param::{ALIASES, Kind, META, Params};
 use tautline_firmware::time::Micros;
-use tautline_sitl::flight::Flight;
+use tautline_sitl::flight::{Flight, topics_page};
 use tautline_sitl::scenario::Scenario;
 use tautline_sitl::ulog::{Log, Message, Value};
 use tautline_tests::UP_AND_DOWN;
@@ -129,6 +129,18 @@ fn a_joystick_and_a_magnetometer_are_logged_where_there_are_any() {
     let with_compass =
         topics(&flown("[sensors]\nmagnetometer = true\n[params]\nEST_AIDS = 8.0", 2.0));
     assert!(with_compass.contains("vehicle_magnetometer"), "{with_compass:?}");
+}
+
+#[test]
+fn the_page_of_topics_is_what_a_log_holds() {
+    let (page, path) = (topics_page(), concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/topics.md"));
+    let found = std::fs::read_to_string(path).unwrap();
+    assert!(found == page, "docs/topics.md is stale: cargo xtask topics");
+    for message in Log::new(&flown("", 2.0)).unwrap() {
+        if let Message::Data(data) = message {
+            assert!(page.contains(&format!("\n### `{}`\n", data.topic)), "{}", data.topic);
+        }
+    }
 }
 
 #[test]
