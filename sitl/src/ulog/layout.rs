@@ -76,6 +76,29 @@ impl Layout<'_> {
         }
     }
 
+    /// All its numbers: path, offset and type, in the order of the bytes. Padding is none of them.
+    pub fn numbers(&self) -> Vec<(String, usize, Scalar)> {
+        let mut all = Vec::new();
+        for field in self.fields.iter().filter(|field| !field.name.starts_with("_padding")) {
+            for index in 0..field.count.unwrap_or(1) {
+                let at = field.offset + index * field.kind.size();
+                let name = match field.count {
+                    Some(_) => format!("{}[{index}]", field.name),
+                    None => field.name.to_owned(),
+                };
+                match &field.kind {
+                    Kind::Scalar(scalar) => all.push((name, at, *scalar)),
+                    Kind::Nested(layout) => {
+                        all.extend(layout.numbers().into_iter().map(|(path, within, scalar)| {
+                            (format!("{name}.{path}"), at + within, scalar)
+                        }))
+                    }
+                }
+            }
+        }
+        all
+    }
+
     /// Offset, type and length of an array of numbers.
     pub fn array(&self, name: &str) -> Option<(usize, Scalar, usize)> {
         let field = self.field(name)?;

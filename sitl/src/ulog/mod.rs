@@ -10,12 +10,15 @@ mod layout;
 mod log;
 mod notes;
 mod scalar;
+mod table;
 #[cfg(test)]
 mod tests;
 
 pub use body::{Message, Text, Value};
 pub use log::Log;
 pub use notes::Notes;
+pub use scalar::Scalar;
+pub use table::{Column, Table, tables};
 
 use layout::Layout;
 use std::rc::Rc;

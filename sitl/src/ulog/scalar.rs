@@ -1,23 +1,37 @@
 //! The types that stand in a file.
 
-/// A type without parts.
+/// A type without parts, of the width that its name says.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scalar {
+    /// `int8_t`
     I8,
+    /// `uint8_t`
     U8,
+    /// `int16_t`
     I16,
+    /// `uint16_t`
     U16,
+    /// `int32_t`
     I32,
+    /// `uint32_t`
     U32,
+    /// `int64_t`
     I64,
+    /// `uint64_t`
     U64,
+    /// `float`
     F32,
+    /// `double`
     F64,
+    /// `bool`
     Bool,
+    /// `char`
     Char,
 }
 
 impl Scalar {
+    /// By its name in a definition.
+    #[must_use]
     pub fn named(name: &str) -> Option<Self> {
         Some(match name {
             "int8_t" => Self::I8,
@@ -36,6 +50,8 @@ impl Scalar {
         })
     }
 
+    /// Bytes.
+    #[must_use]
     pub fn size(self) -> usize {
         match self {
             Self::I8 | Self::U8 | Self::Bool | Self::Char => 1,
@@ -46,6 +62,7 @@ impl Scalar {
     }
 
     /// The number at the beginning of `bytes`.
+    #[must_use]
     pub fn number(self, bytes: &[u8]) -> Option<f64> {
         fn first<const N: usize>(bytes: &[u8]) -> Option<[u8; N]> {
             bytes.first_chunk().copied()

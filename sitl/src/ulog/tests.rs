@@ -1,6 +1,6 @@
 //! Logs that are written here, and a recorded flight that is damaged here.
 
-use super::{Log, Message, Value};
+use super::{Column, Log, Message, Scalar, Value, tables};
 use crate::flight::Flight;
 use crate::report::FlightData;
 use crate::scenario::Scenario;
@@ -316,4 +316,41 @@ fn a_picture_needs_something_flown_and_says_what_there_is() {
         error(cut),
         "nothing of this to draw; the log ends before its first topic; byte 59: the log ends inside a message"
     );
+}
+
+#[test]
+fn a_topic_is_read_as_a_table_nested_fields_by_their_path_and_without_padding() {
+    let bytes = [
+        header(),
+        flags(0, [0; 3]),
+        message(b'F', b"part:float x;uint8_t[3] _padding0;"),
+        message(
+            b'F',
+            b"t:uint64_t timestamp;bool on;part[2] parts;int16_t[2] raw;uint8_t[2] _padding1;",
+        ),
+        subscribe(0, 7, "t"),
+        subscribe(1, 8, "t"),
+        sample(7, &[&5_u64.to_le_bytes(), &[1], &[7; 14], &[2, 0, 3, 0]]),
+        sample(8, &[&6_u64.to_le_bytes(), &[0], &[7; 14], &[2, 0, 3, 0], &[9, 9]]),
+        sample(7, &[&7_u64.to_le_bytes(), &[1], &[7; 14], &[4, 0, 3, 0], &[9, 9]]),
+    ]
+    .concat();
+    let tables = tables(&mut Log::new(&bytes).unwrap());
+    assert_eq!(tables.keys().collect::<Vec<_>>(), ["t", "t.1"]);
+    let table = &tables["t"];
+    let column = |path: &str, offset, scalar| Column { path: path.into(), offset, scalar };
+    assert_eq!(
+        table.columns,
+        [
+            column("timestamp", 0, Scalar::U64),
+            column("on", 8, Scalar::Bool),
+            column("parts[0].x", 9, Scalar::F32),
+            column("parts[1].x", 16, Scalar::F32),
+            column("raw[0]", 23, Scalar::I16),
+            column("raw[1]", 25, Scalar::I16),
+        ]
+    );
+    assert_eq!((table.width, table.rows.len()), (29, 58));
+    assert_eq!(table.rows[29..37], 7_u64.to_le_bytes());
+    assert_eq!(table.rows[52..54], [4, 0]);
 }
