@@ -6,7 +6,7 @@ use super::network::{Network, NetworkOptions};
 use super::outcome;
 use super::status::StatusLine;
 use crate::flight::{Address, Autopilot, Flight, Physics, Progress, Shadow, World};
-use crate::scenario::{Arithmetic, Scenario, Step, TetherKind, set_param};
+use crate::scenario::{Arithmetic, Scenario, TetherKind, set_param, standard_mission};
 use crate::view::View;
 use clap::Args;
 use std::fs::{self, File};
@@ -158,19 +158,6 @@ fn log_path(folder: &Path) -> Result<PathBuf, Failure> {
         .map(|n| folder.join(format!("flight-{n:04}.ulg")))
         .find(|path| !path.exists())
         .ok_or_else(|| Failure::Usage(format!("{}: too many logs", folder.display())))
-}
-
-/// Take off to 5 m, hold a minute, move 20° round, land.
-pub(super) fn standard_mission() -> Vec<Step> {
-    let azimuth = Some(20_f64.to_radians());
-    vec![
-        Step::Arm,
-        Step::Takeoff { altitude: 5.0 },
-        Step::Hold { seconds: 60.0 },
-        Step::Move { elevation: None, azimuth, length: None, tension: None },
-        Step::Hold { seconds: 10.0 },
-        Step::Land,
-    ]
 }
 
 fn describe(scenario: &Scenario, options: &Options, params: &Params) {

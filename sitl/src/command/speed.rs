@@ -1,9 +1,9 @@
 //! `cargo sitl speed`: what simulated time costs, for `cargo xtask speed` and for whoever plans a campaign.
 
-use super::{Failure, fly};
+use super::Failure;
 use crate::flight::Flight;
 use crate::plant::{Plant, PlantModel, TICK, V3};
-use crate::scenario::Scenario;
+use crate::scenario::{Scenario, standard_mission};
 use clap::Args;
 use std::hint::black_box;
 use std::path::PathBuf;
@@ -90,7 +90,7 @@ pub fn run(options: &Options) -> Result<(), Failure> {
         None => Scenario::default(),
     };
     if scenario.mission.is_empty() {
-        scenario.mission = fly::standard_mission();
+        scenario.mission = standard_mission();
     }
     if !(options.seconds > 0.0 && options.seconds <= 1e6) {
         return Err(Failure::Usage(format!("--seconds {} is outside 0 to 1e6", options.seconds)));

@@ -109,6 +109,20 @@ impl Step {
     }
 }
 
+/// What is flown where the scenario does not say: take off to 5 m, hold a minute, move 20° round, land.
+#[must_use]
+pub fn standard_mission() -> Vec<Step> {
+    let azimuth = Some(20_f64.to_radians());
+    vec![
+        Step::Arm,
+        Step::Takeoff { altitude: 5.0 },
+        Step::Hold { seconds: 60.0 },
+        Step::Move { elevation: None, azimuth, length: None, tension: None },
+        Step::Hold { seconds: 10.0 },
+        Step::Land,
+    ]
+}
+
 /// An example of every step, and what it does.
 pub(super) const STEPS: &[(&str, &str)] = &[
     ("do = \"arm\"", "Wait until the vehicle can be armed, then arm."),

@@ -25,7 +25,7 @@ pub use fault::{
     Axis, FAULTS, FaultFacts, FaultKind, FaultRule, FaultSection, Faults, Source, When,
 };
 pub use key::Key;
-pub use mission::{Step, TautControl};
+pub use mission::{Step, TautControl, standard_mission};
 pub use sections::{
     BaseSection, BatterySection, CaptureSection, DisturbanceKind, LineModel, PushSection,
     RodSection, SensorSection, StationSection, TetherKind, TetherSection, VehicleSection,
