@@ -11,8 +11,8 @@ mod install;
 mod params;
 mod reach;
 mod speed;
-mod view;
 mod topics;
+mod view;
 
 use std::process::{Command, ExitCode};
 

@@ -3,7 +3,10 @@
 use super::MavlinkSender;
 use crate::plant::{Plant, V3, Walk};
 use crate::scenario::{Step, TautControl};
-use mavlink::dialects::common::{MANUAL_CONTROL_DATA, MavCmd};
+use mavlink::MessageData;
+use mavlink::dialects::common::{MANUAL_CONTROL_DATA, MavCmd, MavParamType, PARAM_SET_DATA};
+use mavlink::types::CharArray;
+use tautline_firmware::param::{Kind, Meta};
 use tautline_firmware::supervisor::Mode;
 use tautline_runtime::status::Status;
 
@@ -58,6 +61,14 @@ fn is_at(x: f64, target: f64) -> bool {
     (x - target).abs() < 1e-3
 }
 
+/// What a step takes off to, m.
+fn height_of(step: &Step) -> f64 {
+    match step {
+        Step::Takeoff { altitude } => *altitude,
+        _ => 0.0,
+    }
+}
+
 /// Sticks that shake all four motors: square waves of different periods on climb rate, roll and pitch,
 /// about the height.
 fn excitation(status: &Status, altitude: f64, time: f64) -> [f64; 3] {
@@ -89,18 +100,17 @@ pub struct MissionRunner {
     catches: bool,
     /// Highest take-off, m.
     highest: f64,
+    /// The operator goes on to be heard when nothing is left to do.
+    stays: bool,
 }
 
 impl MissionRunner {
     /// For a mission; `system` is the vehicle's MAVLink id.
     #[must_use]
     pub fn new(steps: &[Step], system: u8) -> Self {
-        let altitude = |step: &Step| match step {
-            Step::Takeoff { altitude } => *altitude,
-            _ => 0.0,
-        };
         Self {
-            highest: steps.iter().map(altitude).fold(0.0, f64::max),
+            highest: steps.iter().map(height_of).fold(0.0, f64::max),
+            stays: false,
             steps: steps.to_vec(),
             at: 0,
             step_began: 0.0,
@@ -114,6 +124,62 @@ impl MissionRunner {
             walk: None,
             catches: false,
         }
+    }
+
+    /// The operator stays when everything is done: further steps may be asked for, and until then the link lives.
+    pub fn stay(&mut self) {
+        self.stays = true;
+    }
+
+    /// One more step, after those that are still to be flown; a failure before it is forgotten.
+    pub fn ask(&mut self, step: Step, time: f64) {
+        if self.progress != Progress::Flying {
+            self.progress = Progress::Flying;
+            self.at = self.steps.len();
+            self.step_began = time;
+            self.commanded_at = None;
+        }
+        self.highest = self.highest.max(height_of(&step));
+        self.steps.push(step);
+    }
+
+    /// Nothing more of what was asked is flown.
+    pub fn drop_rest(&mut self) {
+        self.steps.truncate(self.at);
+        self.progress = Progress::Done;
+    }
+
+    /// Sets a parameter, as a ground station does.
+    pub fn set_parameter(&mut self, meta: &Meta, value: f32, send: &mut dyn FnMut(&[u8])) {
+        let is_whole = meta.kind == Kind::Int;
+        let message = PARAM_SET_DATA {
+            // Whole numbers travel in the float's bytes.
+            param_value: if is_whole { f32::from_bits(value as i32 as u32) } else { value },
+            target_system: self.target,
+            target_component: 1,
+            param_id: CharArray::from(meta.name),
+            param_type: if is_whole {
+                MavParamType::MAV_PARAM_TYPE_INT32
+            } else {
+                MavParamType::MAV_PARAM_TYPE_REAL32
+            },
+        };
+        send(&self.sender.frame(&message));
+    }
+
+    /// The mission's ground station asks for a mode.
+    pub(super) fn set_mode(&mut self, mode: Mode) -> Vec<u8> {
+        self.sender.set_mode(self.target, mode)
+    }
+
+    /// The vehicle's MAVLink id.
+    pub(super) fn target(&self) -> u8 {
+        self.target
+    }
+
+    /// A message from the mission's ground station.
+    pub(super) fn frame<D: MessageData>(&mut self, message: &D) -> Vec<u8> {
+        self.sender.frame(message)
     }
 
     /// The step under way, from 1.
@@ -148,12 +214,15 @@ impl MissionRunner {
 
     /// Takes the vehicle's last status and sends what the step needs.
     pub fn step(&mut self, status: &Status, time: f64, send: &mut dyn FnMut(&[u8])) {
-        if self.progress != Progress::Flying {
+        if self.progress != Progress::Flying && !self.stays {
             return;
         }
         if time >= self.heartbeat_at + HEARTBEAT_PERIOD {
             self.heartbeat_at = time;
             send(&self.sender.ground_heartbeat());
+        }
+        if self.progress != Progress::Flying {
+            return;
         }
         let Some(step) = self.steps.get(self.at).cloned() else {
             self.progress = Progress::Done;

@@ -6,6 +6,7 @@ mod breakage;
 mod capture;
 mod environment;
 mod fingerprint;
+mod hand;
 mod mavlink_sender;
 mod mission;
 mod physics;
@@ -19,6 +20,7 @@ mod world;
 
 pub use autopilot::Autopilot;
 pub use environment::Environment;
+pub use hand::Hand;
 pub use mavlink_sender::MavlinkSender;
 pub use mission::{MissionRunner, Progress};
 pub use physics::{Address, Physics};
@@ -30,6 +32,7 @@ pub use world::World;
 
 use crate::metrics::Metrics;
 use crate::scenario::{Scenario, ScenarioError};
+use hand::HandState;
 use std::io::{self, Sink, Write};
 use tautline_firmware::param::Params;
 use tautline_firmware::signal::Event;
@@ -53,6 +56,7 @@ pub struct Flight<W: Write> {
     /// Events reported to the operator, with their times, s.
     pub events: Vec<(f64, Event)>,
     ended_at: Option<f64>,
+    hand: Option<HandState>,
 }
 
 impl Flight<Sink> {
@@ -108,7 +112,11 @@ impl<W: Write> Flight<W> {
         Ok(flight)
     }
 
-    fn start(scenario: &Scenario, params: Params, seed: u64) -> Result<Self, ScenarioError> {
+    /// The same without a log.
+    ///
+    /// # Errors
+    /// From the scenario or a driver's set-up.
+    pub fn start(scenario: &Scenario, params: Params, seed: u64) -> Result<Self, ScenarioError> {
         Ok(Self {
             world: World::new(scenario, params, seed)?,
             mission: MissionRunner::new(&scenario.mission, params.system_id as u8),
@@ -116,6 +124,7 @@ impl<W: Write> Flight<W> {
             metrics: Metrics::default(),
             events: Vec::new(),
             ended_at: None,
+            hand: None,
         })
     }
 
@@ -131,7 +140,10 @@ impl<W: Write> Flight<W> {
         let (out, plant) = (self.world.vehicle.output(), &self.world.environment.plant);
         let has_truth = self.world.environment.has_truth();
         if has_truth {
-            self.metrics.step(out, plant, self.mission.is_holding());
+            // Whoever flies by hand is judged by what was asked of the firmware before.
+            let judged = self.hand.map(|hand| StepOutput { reference: hand.reference, ..*out });
+            let judged = judged.as_ref().unwrap_or(out);
+            self.metrics.step(judged, plant, self.mission.is_holding());
         }
         if let Some(recorder) = &mut self.recorder {
             recorder.write(&self.world.input, &self.world.vehicle, has_truth.then_some(plant));

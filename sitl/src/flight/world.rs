@@ -6,7 +6,7 @@ use crate::ground::{Host, Injection, Links, Uplink};
 use crate::scenario::{Arithmetic, Scenario, ScenarioError, Source};
 use tautline_firmware::mavlink::{Connection, is_to_reboot};
 use tautline_firmware::param::Params;
-use tautline_firmware::signal::{MAX_ROTORS, Sticks};
+use tautline_firmware::signal::{MAX_ROTORS, PerRotor, Sticks};
 use tautline_firmware::time::{Micros, Sample};
 use tautline_firmware::vehicle::{StepInput, StepOutput};
 use tautline_hal_shim::fake::FakeEsc;
@@ -32,6 +32,8 @@ pub struct World {
     pub is_heard: bool,
     /// Somebody reads [`Self::input`].
     pub is_watched: bool,
+    /// Instead of what the firmware wants, while the motors may turn: throttle of each rotor, 0..1.
+    pub throttle: Option<PerRotor<f32>>,
     /// What went into the last step, while somebody reads it.
     pub input: StepInput,
     has_restarted: bool,
@@ -64,6 +66,7 @@ impl World {
             uplink: Uplink::new(seed),
             is_heard: true,
             is_watched: false,
+            throttle: None,
             input: StepInput::default(),
             has_restarted: false,
         })
@@ -226,7 +229,8 @@ impl World {
             self.input = input;
         }
         self.environment.release_rod(out.mode);
-        match self.motors.write(&out.actuation.throttle) {
+        let throttle = self.throttle.as_ref().filter(|_| out.is_armed);
+        match self.motors.write(throttle.unwrap_or(&out.actuation.throttle)) {
             Ok(()) => {}
             Err(never) => match never {},
         }
