@@ -24,28 +24,28 @@ pub use ist8310::FakeIst8310;
 pub use nau7802::FakeNau7802;
 pub use tfmini::FakeTfMini;
 
-use std::cell::Cell;
-use std::rc::Rc;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
 /// Simulated time, shared by all fakes of a vehicle. As a delay it moves that time on, which is what
-/// drivers wait for in `init`.
+/// drivers wait for in `init`. One thread at a time has the vehicle, which may change.
 #[derive(Clone, Debug, Default)]
-pub struct FakeClock(Rc<Cell<u64>>);
+pub struct FakeClock(Arc<AtomicU64>);
 
 impl FakeClock {
     /// µs since power-up.
     #[must_use]
     pub fn now_us(&self) -> u64 {
-        self.0.get() / 1000
+        self.0.load(Relaxed) / 1000
     }
     /// Sets the time; it never runs back.
     pub fn advance_to(&self, now_us: u64) {
-        self.0.set(self.0.get().max(now_us * 1000));
+        self.0.store(self.0.load(Relaxed).max(now_us * 1000), Relaxed);
     }
 }
 
 impl embedded_hal::delay::DelayNs for FakeClock {
     fn delay_ns(&mut self, ns: u32) {
-        self.0.set(self.0.get() + u64::from(ns));
+        self.0.store(self.0.load(Relaxed) + u64::from(ns), Relaxed);
     }
 }
