@@ -17,7 +17,7 @@ pub enum Hand {
     Place([f32; 3], f32),
     /// Body to world, `[w, x, y, z]`, and a thrust, N.
     Attitude([f32; 4], f32),
-    /// Body rates, rad/s, and a thrust, N.
+    /// Body rates, rad/s, and a thrust, N, each limited to what the vehicle takes.
     Rates([f32; 3], f32),
     /// Throttle of each rotor, 0..1. The firmware does not know: its estimates go by the thrust that it asked for itself.
     Throttle(PerRotor<f32>),
@@ -60,6 +60,12 @@ impl<W: Write> Flight<W> {
         }
     }
 
+    /// Where the vehicle is to be, whoever flies it.
+    #[must_use]
+    pub fn reference(&self) -> Option<FlightReference> {
+        self.hand.map_or(self.world.vehicle.output().reference, |hand| hand.reference)
+    }
+
     /// The firmware's own again. It is in the mode that it is in.
     pub fn let_go(&mut self) {
         self.hand = None;
@@ -68,7 +74,9 @@ impl<W: Write> Flight<W> {
 
     fn setpoint(&mut self, hand: &Hand) -> Vec<u8> {
         type Mask = AttitudeTargetTypemask;
-        let most = self.world.vehicle.params().thrust_max;
+        let params = self.world.vehicle.params();
+        let (most, tilting, turning) =
+            (params.thrust_max, params.tilt_rate_max, params.yaw_rate_max);
         let (q, rate, thrust, type_mask) = match *hand {
             Hand::Place([x, y, z], yaw) => {
                 type Mask = PositionTargetTypemask;
@@ -99,7 +107,9 @@ impl<W: Write> Flight<W> {
                     | Mask::ATTITUDE_TARGET_TYPEMASK_BODY_PITCH_RATE_IGNORE
                     | Mask::ATTITUDE_TARGET_TYPEMASK_BODY_YAW_RATE_IGNORE,
             ),
-            Hand::Rates(rate, thrust) => {
+            Hand::Rates([roll, pitch, yaw], thrust) => {
+                let tilt = |rate: f32| rate.clamp(-tilting, tilting);
+                let rate = [tilt(roll), tilt(pitch), yaw.clamp(-turning, turning)];
                 ([1.0, 0.0, 0.0, 0.0], rate, thrust, Mask::ATTITUDE_TARGET_TYPEMASK_ATTITUDE_IGNORE)
             }
             Hand::Throttle(_) => return Vec::new(),

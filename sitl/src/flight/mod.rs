@@ -24,7 +24,7 @@ pub use hand::Hand;
 pub use mavlink_sender::MavlinkSender;
 pub use mission::{MissionRunner, Progress};
 pub use physics::{Address, Physics};
-pub use recorder::{Origin, Recorder};
+pub use recorder::{Origin, Recorder, quaternion};
 pub use shadow::Shadow;
 pub use topics::topics_page;
 pub use verdict::FlightVerdict;
