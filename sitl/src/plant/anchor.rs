@@ -87,11 +87,17 @@ impl Anchor {
         self.walk = Some((walk, self.own.0, 0.0));
     }
 
+    /// Nothing moves it.
+    #[inline]
+    pub(super) fn is_still(&self) -> bool {
+        let drives = self.drive != V3::zeros() || self.driven != V3::zeros();
+        self.motion.is_none() && self.walk.is_none() && !drives
+    }
+
     /// `dt` s ahead.
     #[inline]
     pub fn step(&mut self, dt: f64) {
-        let drives = self.drive != V3::zeros() || self.driven != V3::zeros();
-        if self.motion.is_some() || self.walk.is_some() || drives {
+        if !self.is_still() {
             self.go_on(dt);
             self.driven += self.drive * dt;
             self.position = self.own.0 + self.driven;

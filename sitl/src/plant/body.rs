@@ -43,7 +43,13 @@ impl BodyModel {
 }
 
 /// Square of half the angle, rad², up to which a turn's series is exact to rounding.
-const SMALL: f64 = 1e-5;
+pub(super) const SMALL: f64 = 1e-5;
+
+/// Square of half the angle of a rotation vector, rad².
+#[inline(always)]
+pub(super) fn half_square(by: &V3) -> f64 {
+    (by * 0.5).norm_squared()
+}
 
 /// State.
 #[derive(Clone, Debug)]
@@ -85,24 +91,31 @@ impl Body {
     /// Semi-implicit Euler under a force (without gravity), world axes, and a torque, body axes.
     #[inline]
     pub fn step(&mut self, model: &BodyModel, force: &V3, torque: &V3, dt: f64) {
+        self.push(model, force, torque, dt);
+        let by = self.rate * dt;
+        if half_square(&by) > SMALL {
+            self.attitude *= UnitQuaternion::from_scaled_axis(by);
+        } else {
+            self.turn_little(&by);
+        }
+    }
+
+    /// All but the turn.
+    #[inline(always)]
+    pub(super) fn push(&mut self, model: &BodyModel, force: &V3, torque: &V3, dt: f64) {
         let accel = force / model.mass + V3::new(0.0, 0.0, GRAVITY);
         self.velocity += accel * dt;
         self.position += self.velocity * dt;
         let spin = model.inertia.component_mul(&self.rate);
         let turn = (torque - self.rate.cross(&spin)).component_div(&model.inertia);
         self.rate += turn * dt;
-        self.turn(self.rate * dt);
     }
 
-    /// By a rotation vector in body axes, rad.
-    #[inline]
-    fn turn(&mut self, by: V3) {
+    /// By a rotation vector in body axes, rad, of which [`half_square`] is at most [`SMALL`].
+    #[inline(always)]
+    pub(super) fn turn_little(&mut self, by: &V3) {
         let half = by * 0.5;
         let square = half.norm_squared();
-        if square > SMALL {
-            self.attitude *= UnitQuaternion::from_scaled_axis(by);
-            return;
-        }
         // Sine and cosine to the fourth power of the angle, and one step of Newton's towards unit length.
         let cos = 1.0 - square * (0.5 - square / 24.0);
         let vector = half * (1.0 - square * (1.0 / 6.0 - square / 120.0));

@@ -56,6 +56,12 @@ impl GroundModel {
         self.reach += by.norm();
     }
 
+    /// Nothing touches a body that is higher over the middle of the deck, m.
+    #[inline]
+    pub(super) fn clearance(&self) -> f64 {
+        self.reach + SLOPE
+    }
+
     /// Height of the centre of mass at rest, m.
     #[must_use]
     pub fn rest_height(&self, body: &BodyModel) -> f64 {
@@ -81,6 +87,12 @@ const TOP: f64 = 0.5;
 const CORNERS: [(f64, f64); 4] = [(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)];
 
 impl Ground {
+    /// Nothing touches: the body is higher than it reaches.
+    #[inline]
+    pub(super) fn leave(&mut self) {
+        self.stuck = [None; POINTS];
+    }
+
     /// Whether anything touches.
     #[must_use]
     pub fn is_touching(&self) -> bool {
@@ -96,8 +108,8 @@ impl Ground {
         rotation: &Rotation3<f64>,
         base: &Anchor,
     ) -> (V3, V3) {
-        if body.height() - base.deck_height() > model.reach + SLOPE {
-            self.stuck = [None; POINTS];
+        if body.height() - base.deck_height() > model.clearance() {
+            self.leave();
             return (V3::zeros(), V3::zeros());
         }
         self.touch(model, body, rotation, base.deck())

@@ -5,12 +5,14 @@
 
 mod anchor;
 mod base;
+mod batch;
 mod battery;
 mod body;
 mod disturbance;
 mod follow;
 mod ground;
 mod integrate;
+mod lanes;
 mod push;
 mod rod;
 mod rotor;
@@ -20,6 +22,7 @@ mod wind;
 
 pub use anchor::{Anchor, Deck, Walk};
 pub use base::Motion;
+pub use batch::PlantBatch;
 pub use battery::{Battery, BatteryModel};
 pub use body::{Body, BodyModel};
 pub use disturbance::Disturbance;
@@ -194,7 +197,14 @@ impl Plant {
 
     /// One millisecond with these throttles and this tension set-point for the winch.
     pub fn step(&mut self, throttle: &[f64], winch_tension: f64) {
-        let mut force_sum = V3::zeros();
+        let wind = self.begin_tick(throttle, winch_tension);
+        let force = self.substeps(wind);
+        self.end_tick(force);
+    }
+
+    /// What happens once in a millisecond, before its physics; the velocity of the air.
+    #[inline]
+    fn begin_tick(&mut self, throttle: &[f64], winch_tension: f64) -> V3 {
         let time = self.ticks as f64 * TICK;
         let at = (time, self.body.height());
         let wind = self.wind.step(&self.model.wind, at, TICK, &mut self.rng) + self.gust;
@@ -204,9 +214,22 @@ impl Plant {
             rotor.command(&self.model.rotor, u, voltage);
         }
         self.tether.drive(&self.model.tether, winch_tension, time);
+        wind
+    }
+
+    /// The millisecond's physics; the sum of the forces of its steps.
+    #[inline]
+    fn substeps(&mut self, wind: V3) -> V3 {
+        let mut force_sum = V3::zeros();
         for _ in 0..SUBSTEPS {
             force_sum += self.substep(wind);
         }
+        force_sum
+    }
+
+    /// What happens once in a millisecond, after its physics.
+    #[inline]
+    fn end_tick(&mut self, force_sum: V3) {
         if self.ticks.is_multiple_of(TWIST_EVERY) {
             let (nose, way) = (self.body.attitude * V3::x(), self.from_anchor());
             self.tether.turn(nose.y.atan2(nose.x) - way.y.atan2(way.x));

@@ -106,6 +106,12 @@ impl Rotor {
         Self { speed: 0.0, strength: 1.0, target: 0.0, gain }
     }
 
+    /// Where the speed goes, rad/s, and thrust per its square, N/(rad/s)².
+    #[inline]
+    pub(super) fn drive(&self, model: &RotorModel) -> (f64, f64) {
+        (self.target, self.strength * self.gain * model.thrust_coefficient)
+    }
+
     /// Takes a throttle at this voltage; it holds until the next.
     pub fn command(&mut self, model: &RotorModel, throttle: f64, voltage: f64) {
         let top = model.speed_max * voltage / model.nominal_voltage;

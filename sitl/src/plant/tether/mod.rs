@@ -11,9 +11,11 @@ pub use station::{Drum, WinchModel};
 
 use super::{DT, SUBSTEPS, TICK, V3, uniform};
 use crate::scenario::{LineModel, TetherKind, TetherSection, VehicleSection};
+pub(super) use drag::drag;
 use rand_pcg::Pcg64Mcg;
 use std::f64::consts::{PI, TAU};
-use straight::{Air, Straight, straight};
+use straight::{Air, straight};
+pub(super) use straight::{DRAG_SHARE, SHORTEST, Straight};
 
 /// The line.
 #[derive(Clone, Debug)]
@@ -206,6 +208,20 @@ impl Tether {
         }
         self.since = (self.since + 1) % CHAIN_EVERY;
         Grip { force: chain.end_force(), mass: chain.end_mass(model.line_density) }
+    }
+
+    /// Nothing but the drum holds a straight line that is whole: what it wants, N.
+    pub(super) fn on_drum(&self, model: &TetherModel) -> Option<f64> {
+        let winch = model.winch.as_ref()?;
+        let is_free = self.chain.is_none() && self.caught.is_none() && self.paid_out.is_none();
+        let is_plain = model.pulls && !model.pushes && !model.is_broken && winch.turns.is_none();
+        (is_free && is_plain && self.since == 0).then_some(self.drum)
+    }
+
+    /// After a millisecond that was computed elsewhere.
+    pub(super) fn take(&mut self, link: Straight, drag: V3) {
+        self.link = link;
+        self.air = Air { drag, wind: None };
     }
 
     /// Lies straight, with the length, m, and the tension, N, that another simulator reported last.

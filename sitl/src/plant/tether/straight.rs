@@ -40,9 +40,9 @@ pub struct Air {
 }
 
 /// Shortest distance at which the line has a direction, m.
-const SHORTEST: f64 = 0.05;
+pub const SHORTEST: f64 = 0.05;
 /// A straight link swings about its lower end: of its drag the vehicle carries a third.
-const DRAG_SHARE: f64 = 1.0 / 3.0;
+pub const DRAG_SHARE: f64 = 1.0 / 3.0;
 
 /// The link, and its force on the vehicle, N, from a base that moves at `base_velocity` m/s. `drum`: none at a fixed `length`, m.
 #[inline(always)]
