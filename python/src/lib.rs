@@ -1,5 +1,6 @@
 //! Tautline's simulator for Python: what `tautline/_native.pyi` declares. The package around it is Python.
 
+mod campaign;
 mod input;
 mod observe;
 mod plant;
@@ -12,6 +13,8 @@ use pyo3::prelude::*;
 
 #[pymodule]
 mod _native {
+    #[pymodule_export]
+    use super::campaign::{campaign_shard, campaign_size};
     #[pymodule_export]
     use super::input::{fault_kinds, parameters};
     #[pymodule_export]

@@ -9,7 +9,7 @@ use pyo3::types::PyDict;
 use rayon::prelude::*;
 use std::f64::consts::PI;
 use tautline_sitl::flight::quaternion;
-use tautline_sitl::plant::{self, PlantModel, TICK, V3, generator, uniform};
+use tautline_sitl::plant::{self, PlantBatch, PlantModel, TICK, V3, generator, uniform};
 use tautline_sitl::scenario::Scenario;
 
 /// Numbers of a row of state before the rotors' speeds: see `STATE` in the stubs.
@@ -131,7 +131,7 @@ impl Plant {
 /// Many worlds of one scenario, each with a seed of its own.
 #[pyclass(module = "tautline._native")]
 pub struct Batch {
-    worlds: Vec<plant::Plant>,
+    batch: PlantBatch,
     scenario: Scenario,
     pool: rayon::ThreadPool,
 }
@@ -147,7 +147,7 @@ impl Batch {
         }
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().map_err(wrong)?;
         let worlds = seeds.into_iter().map(|seed| at_start(&scenario, seed)).collect();
-        Ok(Self { worlds, scenario, pool })
+        Ok(Self { batch: PlantBatch::new(worlds), scenario, pool })
     }
 
     /// `n` ms: throttles `(worlds, rotors)` and the winch's tension, N.
@@ -158,24 +158,27 @@ impl Batch {
         tension: f64,
         n: u64,
     ) -> PyResult<()> {
-        let rotors = self.worlds.first().map_or(0, |world| world.rotors.len());
-        if throttle.shape() != [self.worlds.len(), rotors] {
+        let worlds = self.batch.worlds().len();
+        let rotors = self.batch.worlds().first().map_or(0, |world| world.rotors.len());
+        if throttle.shape() != [worlds, rotors] {
             return Err(wrong(format!(
-                "throttle has the shape {:?}, not ({}, {rotors})",
+                "throttle has the shape {:?}, not ({worlds}, {rotors})",
                 throttle.shape(),
-                self.worlds.len()
             )));
         }
         let throttle = throttle.as_slice().map_err(wrong)?;
         if !throttle.iter().chain([&tension]).all(|x| x.is_finite()) {
             return Err(wrong("a throttle or the tension is not finite"));
         }
-        let Self { worlds, pool, .. } = self;
+        let Self { batch, pool, .. } = self;
         py.detach(|| {
+            let (size, parts) = batch.parts();
+            let rows = throttle.par_chunks(size * rotors.max(1));
             pool.install(|| {
-                worlds.par_iter_mut().zip(throttle.par_chunks(rotors)).for_each(|(world, row)| {
-                    (0..n).for_each(|_| world.step(row, tension));
-                });
+                parts
+                    .into_par_iter()
+                    .zip(rows)
+                    .for_each(|(mut part, rows)| part.step(rows, tension, n));
             });
         });
         Ok(())
@@ -188,20 +191,20 @@ impl Batch {
         if let Some(position) = position {
             hang(&mut world, position)?;
         }
-        match self.worlds.get_mut(index) {
-            Some(slot) => *slot = world,
-            None => return Err(wrong(format!("no world {index}"))),
+        match self.batch.replace(index, world) {
+            true => Ok(()),
+            false => Err(wrong(format!("no world {index}"))),
         }
-        Ok(())
     }
 
     /// `(worlds, 19 + rotors)`.
     fn state<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let width = self.worlds.first().map_or(0, width);
-        let array = PyArray2::zeros(py, [self.worlds.len(), width], false);
+        let worlds = self.batch.worlds();
+        let width = worlds.first().map_or(0, width);
+        let array = PyArray2::zeros(py, [worlds.len(), width], false);
         let mut view = array.try_readwrite()?;
         let rows = view.as_slice_mut().map_err(wrong)?;
-        self.worlds.iter().zip(rows.chunks_mut(width)).for_each(|(world, row)| {
+        worlds.iter().zip(rows.chunks_mut(width)).for_each(|(world, row)| {
             write_state(world, row);
         });
         drop(view);

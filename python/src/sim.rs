@@ -11,7 +11,7 @@ use pythonize::pythonize;
 use tautline_firmware::param::{META, Params};
 use tautline_firmware::signal::PerRotor;
 use tautline_sitl::flight::{Flight, Hand, Progress};
-use tautline_sitl::scenario::{FAULTS, FaultKind, FaultSection, Step, set_param, standard_mission};
+use tautline_sitl::scenario::{FaultKind, Step, set_param, standard_mission};
 
 /// Simulated ms between two looks for Ctrl-C: a fraction of a real one.
 const PATIENCE: u64 = 500;
@@ -28,7 +28,7 @@ pub struct Sim {
 /// The object that a flight's `--json` prints.
 fn verdict<'py>(py: Python<'py>, flight: &Flight<Vec<u8>>) -> PyResult<Bound<'py, PyAny>> {
     // By way of JSON's own types: a list is a list.
-    let object = serde_json::to_value(flight.metrics.summary()).map_err(wrong)?;
+    let object = serde_json::to_value(flight.verdict()).map_err(wrong)?;
     Ok(pythonize(py, &object)?)
 }
 
@@ -64,12 +64,9 @@ impl Sim {
         self.flight.by_hand(hand);
     }
 
+    /// By the file's name of it, or a former one.
     fn kind(name: &str) -> PyResult<FaultKind> {
-        let rule = FAULTS.iter().find(|rule| rule.name == name);
-        rule.map(|rule| rule.kind).ok_or_else(|| {
-            let all: Vec<_> = FAULTS.iter().map(|rule| rule.name).collect();
-            wrong(format!("no fault {name}; there are {}", all.join(", ")))
-        })
+        toml::Value::from(name).try_into().map_err(wrong)
     }
 }
 
@@ -148,7 +145,9 @@ impl Sim {
         match self.flight.mission.progress() {
             Progress::Flying => ("flying", None),
             Progress::Done => ("done", None),
-            Progress::Failed(why) => ("failed", Some(why.clone())),
+            Progress::Failed(why) => {
+                ("failed", self.flight.shortcoming().or_else(|| Some(why.clone())))
+            }
         }
     }
 
@@ -179,40 +178,16 @@ impl Sim {
         texts
     }
 
-    /// From now on.
-    #[pyo3(signature = (kind, value = None, duration = None, ramp = 0.0, axis = None, motor = None))]
-    fn inject(
-        &mut self,
-        py: Python,
-        kind: &str,
-        value: Option<f64>,
-        duration: Option<f64>,
-        ramp: f64,
-        axis: Option<&str>,
-        motor: Option<usize>,
-    ) -> PyResult<()> {
-        Self::kind(kind)?;
-        let fault = PyDict::new(py);
-        fault.set_item("kind", kind)?;
-        fault.set_item("ramp", ramp)?;
-        // Times of faults count from power-up.
-        fault.set_item("at", self.flight.world.now().0 as f64 * 1e-6)?;
-        if let Some(value) = value {
-            fault.set_item("value", value)?;
-        }
-        if let Some(duration) = duration {
-            fault.set_item("duration", duration)?;
-        }
-        if let Some(axis) = axis {
-            fault.set_item("axis", axis)?;
-        }
-        if let Some(motor) = motor {
-            fault.set_item("motor", motor)?;
-        }
-        let file = PyDict::new(py);
+    /// From now on: a fault as the scenario file spells it, without a time.
+    fn inject(&mut self, fault: &Bound<PyDict>) -> PyResult<()> {
+        let file = PyDict::new(fault.py());
         file.set_item("fault", [fault])?;
-        let faults: Vec<FaultSection> = input::scenario(&file)?.fault;
-        faults.into_iter().for_each(|fault| self.flight.world.environment.faults.add(fault));
+        let world = &mut self.flight.world;
+        for mut fault in input::scenario(&file)?.fault {
+            // Times of faults count from power-up.
+            fault.at = world.now().0 as f64 * 1e-6;
+            world.environment.faults.add(fault);
+        }
         Ok(())
     }
 

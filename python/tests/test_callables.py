@@ -81,7 +81,9 @@ def test_a_controllers_error_ends_the_flight() -> None:
         tautline.fly(HOLD, controller=Short())
 
 
-def test_an_estimator_beside_is_logged_and_scored_and_changes_nothing(short: dict[str, Any]) -> None:
+def test_an_estimator_beside_is_logged_and_scored_and_changes_nothing(
+    short: dict[str, Any],
+) -> None:
     alone = tautline.fly(short)
     beside = tautline.fly(short, estimator=Altimeter())
     assert beside.log.ulog == alone.log.ulog

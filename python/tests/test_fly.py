@@ -24,7 +24,26 @@ def test_a_flight_gives_a_verdict_that_json_takes(short: dict[str, Any]) -> None
     assert 0.0 < verdict["hold_horizontal_rms_m"] < 1.0
     assert 0.0 < verdict["touch_down_mps"] < 1.5
     assert json.loads(json.dumps(verdict)) == verdict
-    assert any("Landed" in text or "anding" in text for _, text in flight.texts), flight.texts
+    assert set(verdict) == {
+        "lost",
+        "armed",
+        "disarmed_at_s",
+        "touch_down_mps",
+        "touch_down_sideways_mps",
+        "max_tilt_rad",
+        "max_height_m",
+        "distance_from_pad_m",
+        "hold_horizontal_rms_m",
+        "hold_vertical_rms_m",
+        "estimate_error_rms_m",
+        "tension_error_rms_n",
+        "final_mode",
+        "failures",
+        "texts",
+    }
+    assert verdict["armed"] is False
+    assert 10.0 < verdict["disarmed_at_s"] < flight.duration_s
+    assert verdict["texts"] == [text for _, text in flight.texts]
 
 
 def test_the_same_seed_gives_the_same_log_to_the_byte_and_another_seed_another(
@@ -42,7 +61,8 @@ def test_a_log_has_data_frames_with_times_and_fields_by_their_names(short: dict[
     assert truth["timestamp"].dtype == np.uint64
     assert (np.diff(truth["timestamp"].to_numpy().astype(np.int64)) > 0).all()
     assert truth["x"].dtype == np.float32
-    assert -6.0 < truth["z"].min() < -2.6, "it was up"
+    highest = flight.verdict["max_height_m"]
+    assert truth["z"].min() == pytest.approx(-highest, abs=0.1)
     attitude = flight.log["vehicle_attitude"]
     norm = sum(attitude[f"q[{i}]"].to_numpy() ** 2 for i in range(4))
     assert np.allclose(norm, 1.0, atol=1e-3)
@@ -86,7 +106,7 @@ def test_a_parameter_that_contradicts_the_vehicle_is_warned_of() -> None:
     ],
 )
 def test_what_is_wrong_is_said_in_one_line(scenario: Any, params: Any, line: str) -> None:
-    with pytest.raises(ValueError, match=line.replace("[", r"\[")) as caught:
+    with pytest.raises(ValueError, match=line) as caught:
         tautline.fly(scenario, params=params)
     assert "\n" not in str(caught.value)
 
@@ -123,4 +143,5 @@ def test_control_c_ends_a_flight() -> None:
 def test_a_flight_that_fails_says_why() -> None:
     fault = {"kind": "imu_frozen", "at": 0.0}
     flight = tautline.fly({"fault": [fault], "mission": [{"do": "arm"}]})
-    assert flight.mission == ("failed", "never armed")
+    state, why = flight.mission
+    assert state == "failed" and why is not None and why.startswith("never armed"), why

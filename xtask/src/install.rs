@@ -22,30 +22,37 @@ pub fn rust_targets(targets: &[&str]) -> Result<(), String> {
     Ok(())
 }
 
-const STAMP: &str = "target/venv/requirements.txt";
-const PYTHON: &str = "target/venv/bin/python";
-const REQUIREMENTS: &str = "tests/clients/requirements.txt";
-
 /// A Python environment of the project's own with the real clients; its interpreter.
 pub fn python_clients() -> Result<String, String> {
-    let wanted = std::fs::read_to_string(root().join(REQUIREMENTS))
-        .map_err(|e| format!("{REQUIREMENTS}: {e}"))?;
-    let present = std::fs::read_to_string(root().join(STAMP)).unwrap_or_default();
+    python("target/venv", "tests/clients/requirements.txt")
+}
+
+/// Another one to build the Python package in; its interpreter.
+pub fn python_package() -> Result<String, String> {
+    python("target/venv-python", "python/requirements.txt")
+}
+
+fn python(folder: &str, requirements: &str) -> Result<String, String> {
+    let (stamp, interpreter) =
+        (format!("{folder}/requirements.txt"), format!("{folder}/bin/python"));
+    let wanted = std::fs::read_to_string(root().join(requirements))
+        .map_err(|e| format!("{requirements}: {e}"))?;
+    let present = std::fs::read_to_string(root().join(&stamp)).unwrap_or_default();
     if wanted != present {
         println!(
-            "installing into target/venv from PyPI: {}",
+            "installing into {folder} from PyPI: {}",
             wanted.lines().filter(|l| !l.starts_with('#')).collect::<Vec<_>>().join(", ")
         );
         let needs =
             |e| format!("{e}\nPython 3.11 or newer with venv is needed (Debian: python3-venv)");
-        run("python3", &["-m", "venv", "target/venv"]).map_err(needs)?;
+        run("python3", &["-m", "venv", folder]).map_err(needs)?;
         run(
-            PYTHON,
-            &["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "-r", REQUIREMENTS],
+            &interpreter,
+            &["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "-r", requirements],
         )?;
-        std::fs::write(root().join(STAMP), wanted).map_err(|e| format!("{STAMP}: {e}"))?;
+        std::fs::write(root().join(&stamp), wanted).map_err(|e| format!("{stamp}: {e}"))?;
     }
-    Ok(PYTHON.to_owned())
+    Ok(interpreter)
 }
 
 /// The linker that puts the stack below the data.

@@ -9,6 +9,7 @@ mod figures;
 mod images;
 mod install;
 mod params;
+mod python;
 mod reach;
 mod speed;
 mod topics;
@@ -40,6 +41,7 @@ const USAGE: &str = "usage: cargo xtask TASK
   figures        measure the README's figures by campaigns and experiments and write them; --check only compares
   view           bundle the page of `cargo sitl --view` with Node.js, and target/view/ with the simulator inside as
                  WebAssembly; --check only compares the page; --test flies both in Debian's chromium
+  python         build the Python package into an environment under target/, run its types, tests and notebook
   flash IMAGE    build an image and write it to a board by probe-rs
   emulate        fly the F405 image under QEMU beside the same flights here; further arguments go to
                  `sitl emulate` (cargo sitl emulate --help)";
@@ -73,6 +75,7 @@ fn main() -> ExitCode {
         ["view"] => view::build(),
         ["view", "--check"] => view::check(),
         ["view", "--test"] => view::test(),
+        ["python"] => python::check(),
         ["flash", image] => images::flash(image),
         ["emulate", more @ ..] => images::emulate(more),
         ["help" | "--help" | "-h"] => {
@@ -99,12 +102,22 @@ fn run(program: &str, arguments: &[&str]) -> Outcome {
 }
 
 fn run_with(program: &str, arguments: &[&str], environment: &[(&str, &str)]) -> Outcome {
+    run_in(".", program, arguments, environment)
+}
+
+/// In a folder of the workspace.
+fn run_in(
+    folder: &str,
+    program: &str,
+    arguments: &[&str],
+    environment: &[(&str, &str)],
+) -> Outcome {
     // Standard output is for results, which others may read.
     eprintln!("\n== {program} {}", arguments.join(" "));
     let status = Command::new(program)
         .args(arguments)
         .envs(environment.iter().copied())
-        .current_dir(root())
+        .current_dir(root().join(folder))
         .status()
         .map_err(|e| format!("{program}: {e}"))?;
     if status.success() { Ok(()) } else { Err(format!("{program} {} failed", arguments.join(" "))) }

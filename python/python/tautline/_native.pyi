@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from os import PathLike
 from typing import Any
 
 import numpy as np
@@ -18,6 +19,14 @@ def parameters(scenario: Scenario, params: Params = None) -> dict[str, float]:
 
 def tables(log: bytes) -> dict[str, tuple[bytes, int, list[tuple[str, str, int]]]]:
     """By topic: rows, a row's width in bytes, and name, NumPy type and offset of each column."""
+
+def campaign_size(file: str | PathLike[str]) -> int:
+    """Flights of a campaign file. Raises ``ValueError``."""
+
+def campaign_shard(
+    file: str | PathLike[str], out: str | PathLike[str], index: int, count: int
+) -> int:
+    """Flies the ``index``-th of ``count`` parts, from 1, into a folder; how many flights that was."""
 
 class Sim:
     def __init__(
@@ -44,15 +53,7 @@ class Sim:
     def truth(self) -> Truth: ...
     def sensors(self) -> Sensors: ...
     def texts(self) -> list[tuple[float, str]]: ...
-    def inject(
-        self,
-        kind: str,
-        value: float | None = None,
-        duration: float | None = None,
-        ramp: float = 0.0,
-        axis: str | None = None,
-        motor: int | None = None,
-    ) -> None: ...
+    def inject(self, fault: dict[str, Any]) -> None: ...
     def heal(self, kind: str) -> None: ...
     @property
     def faults(self) -> list[str]: ...

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from typing import Any, Union
+from typing import Any
 
 import pandas as pd
 
 from .flight import Flight, fly
 
 
-def compare(flights: Iterable[Union[Flight, Mapping[str, Any]]]) -> pd.DataFrame:
+def compare(flights: Iterable[Flight | Mapping[str, Any]]) -> pd.DataFrame:
     """One table: a row for each flight by its name, a column for each figure of verdict and estimator.
 
     A flight is one that was flown, or the arguments of :func:`tautline.fly` for one that is to be. Lists are left out.

@@ -118,7 +118,12 @@ class TetherEnv(gymnasium.Env[Observed, npt.NDArray[np.float32]]):
         if self._sim is None:
             return self._plant.state()[np.newaxis]
         truth = self._sim.truth()
-        parts: list[Vector] = [truth["position"], truth["velocity"], truth["attitude"], truth["rate"]]
+        parts: list[Vector] = [
+            truth["position"],
+            truth["velocity"],
+            truth["attitude"],
+            truth["rate"],
+        ]
         rest = [truth["tension"], truth["length"], float(truth["touching"])]
         return np.concatenate([*parts, np.array(rest)])[np.newaxis]
 

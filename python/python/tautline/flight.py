@@ -58,7 +58,7 @@ def fly(
     of the firmware by name, or a parameter file. ``limit``: at most so long, simulated s.
 
     ``controller`` flies the holds of the mission in place of the firmware's, ``control_hz`` times a second (50 to 1000, a
-    divisor of 1000; set-points of rates and attitudes at most 500), on what ``feed`` says; the firmware takes off, moves
+    divisor of 1000), on what ``feed`` says; the firmware takes off, moves
     and lands. ``estimator`` runs beside; its estimates are in the log as ``estimator_python``.
 
     Raises ``ValueError`` with one line that names what is wrong. Other threads run meanwhile, and Ctrl-C ends it.

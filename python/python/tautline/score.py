@@ -47,7 +47,9 @@ class Beside:
         for key, unit in _UNITS.items():
             for name in (key, f"ours_{key}"):
                 squares = self._squares.get(name)
-                figures[f"{name}_rms_{unit}"] = sqrt(sum(squares) / len(squares)) if squares else None
+                figures[f"{name}_rms_{unit}"] = (
+                    sqrt(sum(squares) / len(squares)) if squares else None
+                )
         return figures
 
 

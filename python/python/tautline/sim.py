@@ -87,16 +87,29 @@ class Sim:
         value: float | None = None,
         duration: float | None = None,
         *,
-        ramp: float = 0.0,
+        ramp: float | None = None,
         axis: str | None = None,
-        motor: int | None = None,
+        rotor: int | None = None,
+        from_: float | None = None,
+        period: float | None = None,
     ) -> None:
         """Breaks something from now on: ``kind`` as in a scenario's ``[[fault]]`` (:func:`tautline.fault_kinds`).
 
-        ``value`` in the kind's unit; ``duration`` s, to the end when absent; ``ramp`` s up to the whole value; ``axis``
-        ``x``, ``y`` or ``z`` of the inertial kinds; ``motor`` from 1 of the rotors'. Raises ``ValueError``.
+        ``value`` in the kind's unit, 0 when absent; ``duration`` s, to the end when absent; ``ramp`` s up to the whole
+        value; ``axis`` ``x``, ``y`` or ``z``; ``rotor`` from 1; ``from_`` rad from North; ``period`` s. Raises
+        ``ValueError``.
         """
-        self._native.inject(kind, value, duration, ramp, axis, motor)
+        keys = {
+            "value": None if value is None else float(value),
+            "duration": None if duration is None else float(duration),
+            "ramp": ramp,
+            "axis": axis,
+            "rotor": rotor,
+            "from": from_,
+            "period": period,
+        }
+        given = {name: key for name, key in keys.items() if key is not None}
+        self._native.inject({"kind": kind, **given})
 
     def heal(self, kind: str) -> None:
         """Ends every fault of a kind."""

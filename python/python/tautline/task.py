@@ -26,9 +26,7 @@ SEEDS = 2**31
 def to_world(elevation: float, azimuth: float, length: float) -> Vector:
     """(3,) NED, m, of a point on the line: rad, rad, m."""
     level = length * np.cos(elevation)
-    return np.array(
-        [level * np.cos(azimuth), level * np.sin(azimuth), -length * np.sin(elevation)]
-    )
+    return np.array([level * np.cos(azimuth), level * np.sin(azimuth), -length * np.sin(elevation)])
 
 
 def tilt(attitude: Array) -> Array:

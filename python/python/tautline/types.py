@@ -156,7 +156,7 @@ class Attitude:
     """N, limited to ``TPC_THR_MAX``."""
 
 
-Command = Union[Rates, Attitude, Sequence[float], Vector]
+Command = Rates | Attitude | Sequence[float] | Vector
 """What a controller asks for: rates, an attitude, or the throttle of each rotor, 0..1."""
 
 
