@@ -2,8 +2,8 @@
 //! by one. Each is the world that [`Plant::step`] would make of it, to the bit.
 
 use super::lanes::{LANES, Lanes};
-use super::{Plant, V3};
-use pulp::Arch;
+use super::{Plant, PlantModel, V3};
+use pulp::{Arch, NullaryFnOnce};
 
 /// Worlds of one model.
 #[derive(Clone, Debug)]
@@ -68,6 +68,18 @@ fn one_by_one(worlds: &mut [Plant], rows: &[f64], rotors: usize, tension: f64, t
     }
 }
 
+/// A block's millisecond. A closure would not be built anew for each processor: the compiler may leave it apart.
+struct Step<'a, const R: usize>(&'a mut Lanes<R>, &'a PlantModel);
+
+impl<const R: usize> NullaryFnOnce for Step<'_, R> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        self.0.step(self.1);
+    }
+}
+
 /// A block of lanes, with the widest instructions that this processor has.
 fn block<const R: usize>(
     lanes: &mut Lanes<R>,
@@ -88,7 +100,7 @@ fn block<const R: usize>(
         if let Some(model) = worlds.first().map(|world| &world.model)
             && flies.contains(&true)
         {
-            arch.dispatch(|| lanes.step(model));
+            arch.dispatch(Step(lanes, model));
         }
         for (i, (world, (wind, flies))) in
             worlds.iter_mut().zip(winds.into_iter().zip(flies)).enumerate()
