@@ -14,7 +14,7 @@ use pyo3::prelude::*;
 #[pymodule]
 mod _native {
     #[pymodule_export]
-    use super::campaign::{campaign_shard, campaign_size};
+    use super::campaign::{campaign_merge, campaign_shard, campaign_size};
     #[pymodule_export]
     use super::input::{fault_kinds, parameters};
     #[pymodule_export]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+import pandas as pd
 import pytest
 
 from tautline import campaign
@@ -36,11 +37,26 @@ def test_the_rows_are_the_same_however_they_are_shared_out(file: Path, tmp_path:
     many = campaign.run(file, tmp_path / "many", jobs=2, chunk=2)
     one = campaign.run(file, tmp_path / "one", jobs=1, chunk=5)
     assert many["seed"].tolist() == [1, 2, 3, 4, 5]
-    assert many["pass"].all()
-    read = [(tmp_path / name / "flights.jsonl").read_text() for name in ("many", "one")]
-    assert read[0] == read[1] and len(one) == 5
-    summary = json.loads((tmp_path / "many" / "summary.json").read_text())
-    assert summary == {"flights": 5, "complete": 5, "passed": 5, "failed_seeds": []}
+    assert many["pass"].all() and len(one) == 5
+    pd.testing.assert_frame_equal(many, one)
+    summaries = [
+        json.loads((tmp_path / name / "summary.json").read_text()) for name in ("many", "one")
+    ]
+    assert summaries[0] == summaries[1] and summaries[0]["passed"] == 5
+    assert (tmp_path / "many" / "flights.parquet").exists()
+
+
+def test_what_was_flown_before_an_interruption_is_not_flown_again(
+    file: Path, tmp_path: Path
+) -> None:
+    whole = campaign.run(file, tmp_path / "whole", jobs=1, chunk=2)
+    part = tmp_path / "again"
+    campaign.fly_part(str(file), str(part), 1, 3)
+    before = (part / "parts" / "00001-of-00003" / "journal.jsonl").stat().st_mtime_ns
+    again = campaign.run(file, part, jobs=1, chunk=2)
+    after = (part / "parts" / "00001-of-00003" / "journal.jsonl").stat().st_mtime_ns
+    assert before == after
+    pd.testing.assert_frame_equal(whole, again)
 
 
 def test_the_command_says_in_one_line_what_is_wrong(

@@ -26,7 +26,10 @@ def campaign_size(file: str | PathLike[str]) -> int:
 def campaign_shard(
     file: str | PathLike[str], out: str | PathLike[str], index: int, count: int
 ) -> int:
-    """Flies the ``index``-th of ``count`` parts, from 1, into a folder; how many flights that was."""
+    """Flies what is missing of the ``index``-th of ``count`` parts, from 1, in a folder; how many flights it has."""
+
+def campaign_merge(folders: list[str], out: str | PathLike[str]) -> str:
+    """Joins parts into tables in ``out``; JSON with ``summary`` and ``rows``. Raises ``ValueError``."""
 
 class Sim:
     def __init__(

@@ -67,23 +67,15 @@ def on_ray(file: str, out: str, count: int) -> Iterator[str]:
         ray.shutdown()
 
 
-def merge(folders: Iterable[str | os.PathLike[str]], out: str | os.PathLike[str]) -> dict[str, Any]:
-    """Joins parts into ``flights.jsonl``, by seed, and ``summary.json`` in ``out``; the summary."""
-    rows: list[dict[str, Any]] = []
-    for folder in folders:
-        text = (Path(folder) / "flights.jsonl").read_text()
-        rows.extend(json.loads(line) for line in text.splitlines())
-    rows.sort(key=lambda row: int(row["seed"]))
-    lines = "".join(json.dumps(row) + "\n" for row in rows)
-    (Path(out) / "flights.jsonl").write_text(lines)
-    summary = {
-        "flights": len(rows),
-        "complete": sum(bool(row["complete"]) for row in rows),
-        "passed": sum(bool(row["pass"]) for row in rows),
-        "failed_seeds": [row["seed"] for row in rows if not row["pass"]],
-    }
-    (Path(out) / "summary.json").write_text(json.dumps(summary, indent=2) + "\n")
-    return summary
+def merge(
+    folders: Iterable[str | os.PathLike[str]], out: str | os.PathLike[str]
+) -> tuple[dict[str, Any], pd.DataFrame]:
+    """Joins parts into ``flights.parquet`` and ``summary.json`` in ``out``; the summary, and the rows by index.
+
+    Raises ``ValueError`` with one line: parts of different campaigns, flights that are missing.
+    """
+    joined = json.loads(_native.campaign_merge([os.fspath(f) for f in folders], os.fspath(out)))
+    return joined["summary"], pd.DataFrame(joined["rows"])
 
 
 def run(
@@ -94,9 +86,11 @@ def run(
     ray: bool = False,
     chunk: int = CHUNK,
 ) -> pd.DataFrame:
-    """Flies a campaign file (``sitl/campaigns/*.toml``) and leaves ``flights.jsonl`` and ``summary.json`` in ``out``.
+    """Flies a campaign file (``sitl/campaigns/*.toml``) and leaves ``flights.parquet`` and ``summary.json`` in ``out``.
 
-    The same rows whatever ``jobs``, ``ray`` and ``chunk`` are. Returns them. Raises ``ValueError`` with one line.
+    The same rows, and the same hash of them in the summary, whatever ``jobs``, ``ray`` and ``chunk`` are, and as
+    ``cargo sitl campaign`` has them. What an interrupted run has flown with the same ``chunk`` is not flown again. Returns
+    the rows. Raises ``ValueError`` with one line.
     """
     file, out = os.fspath(Path(file).resolve()), os.fspath(Path(out).resolve())
     size = _native.campaign_size(file)
@@ -107,8 +101,8 @@ def run(
     for folder in execute(file, out, count):
         folders.append(folder)
         print(f"part {len(folders)} of {count} flown", file=sys.stderr)
-    merge(folders, out)
-    return pd.read_json(Path(out) / "flights.jsonl", lines=True)
+    _, rows = merge(sorted(folders), out)
+    return rows
 
 
 def main(arguments: list[str] | None = None) -> int:
