@@ -1,6 +1,6 @@
 //! Everything that must hold before a change lands.
 
-use crate::{Outcome, citations, cost, images, install, params, run, run_with};
+use crate::{Outcome, book, cost, images, install, params, python, root, run, run_with, view};
 use std::process::Command;
 
 const BOARD: &str = "thumbv7em-none-eabihf";
@@ -10,13 +10,15 @@ const DENY_WARNINGS: [(&str, &str); 1] = [("RUSTDOCFLAGS", "-D warnings")];
 /// All checks; the test runner's closing line comes last.
 pub fn everything() -> Outcome {
     install::rust_targets(&[BOARD, SMALLEST])?;
-    let python = install::python_clients()?;
+    let clients = install::python_clients()?;
     run("cargo", &["fmt", "--all", "--check"])?;
     run("cargo", &["clippy", "--all-targets", "--locked", "--", "-D", "warnings"])?;
+    let beside = ["-p", "tautline-python", "-p", "tautline-view-wasm", "-p", "tautline-view-bindgen"];
+    run("cargo", &[&["clippy", "--locked"], &beside[..], &["--", "-D", "warnings"]].concat())?;
     images::lint()?;
     cost::lint()?;
     params::check()?;
-    citations::check()?;
+    book::build()?;
     // The images prove the larger cores; the smallest shall not be lost.
     let smallest = ["check", "--locked", "-p", "tautline-firmware", "-p", "tautline-hal-shim"];
     run("cargo", &[&smallest[..], &["--target", SMALLEST]].concat())?;
@@ -29,7 +31,9 @@ pub fn everything() -> Outcome {
     images::walk()?;
     images::emulate(&[])?;
     cost::check()?;
-    fly_clients(&python)?;
+    fly_clients(&clients)?;
+    view::test()?;
+    python::check()?;
     campaigns()?;
     experiments()?;
     run("cargo", &["test", "--locked", "--doc"])?;
@@ -86,6 +90,8 @@ fn campaigns() -> Outcome {
     for name in ["calm", "gusts-3", "gusts-5", "fixed", "fixed-gusts-3"] {
         let file = format!("sitl/campaigns/{name}.toml");
         let out = format!("target/campaigns/{name}");
+        // What an interrupted run left there would be refused.
+        let _ = std::fs::remove_dir_all(root().join(&out));
         run(sitl(), &["campaign", &file, "--seeds", "3", "--out", &out])?;
     }
     Ok(())
