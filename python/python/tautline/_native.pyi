@@ -26,10 +26,16 @@ def campaign_size(file: str | PathLike[str]) -> int:
 def campaign_shard(
     file: str | PathLike[str], out: str | PathLike[str], index: int, count: int
 ) -> int:
-    """Flies what is missing of the ``index``-th of ``count`` parts, from 1, in a folder; how many flights it has."""
+    """Flies the ``index``-th of ``count`` parts, from 1, into a folder; how many flights that was."""
 
-def campaign_merge(folders: list[str], out: str | PathLike[str]) -> str:
-    """Joins parts into tables in ``out``; JSON with ``summary`` and ``rows``. Raises ``ValueError``."""
+def campaign_merge(
+    file: str | PathLike[str],
+    folders: Sequence[str | PathLike[str]],
+    out: str | PathLike[str],
+    keep_logs: int,
+    jobs: int,
+) -> dict[str, Any]:
+    """Joins the folders of all parts, and flies the first ``keep_logs`` failed flights again with a log; the summary."""
 
 class Sim:
     def __init__(

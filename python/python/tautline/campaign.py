@@ -3,22 +3,21 @@
 from __future__ import annotations
 
 import argparse
-import json
 import os
 import signal
 import sys
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
-import pandas as pd
-
 from . import _native
 
 CHUNK = 8
 """Flights of a part: a second or so of one core."""
+KEEP_LOGS = 10
+"""Failed flights that are kept with their logs."""
 
 
 def fly_part(file: str, out: str, index: int, count: int) -> str:
@@ -67,17 +66,6 @@ def on_ray(file: str, out: str, count: int) -> Iterator[str]:
         ray.shutdown()
 
 
-def merge(
-    folders: Iterable[str | os.PathLike[str]], out: str | os.PathLike[str]
-) -> tuple[dict[str, Any], pd.DataFrame]:
-    """Joins parts into ``flights.parquet`` and ``summary.json`` in ``out``; the summary, and the rows by index.
-
-    Raises ``ValueError`` with one line: parts of different campaigns, flights that are missing.
-    """
-    joined = json.loads(_native.campaign_merge([os.fspath(f) for f in folders], os.fspath(out)))
-    return joined["summary"], pd.DataFrame(joined["rows"])
-
-
 def run(
     file: str | os.PathLike[str],
     out: str | os.PathLike[str],
@@ -85,24 +73,24 @@ def run(
     jobs: int | None = None,
     ray: bool = False,
     chunk: int = CHUNK,
-) -> pd.DataFrame:
-    """Flies a campaign file (``sitl/campaigns/*.toml``) and leaves ``flights.parquet`` and ``summary.json`` in ``out``.
+    keep_logs: int = KEEP_LOGS,
+) -> dict[str, Any]:
+    """Flies a campaign file (``sitl/campaigns/*.toml``) into ``out``: ``flights.parquet``, one row a flight,
+    ``summary.json``, and the first ``keep_logs`` failed flights with their logs. Returns the summary.
 
-    The same rows, and the same hash of them in the summary, whatever ``jobs``, ``ray`` and ``chunk`` are, and as
-    ``cargo sitl campaign`` has them. What an interrupted run has flown with the same ``chunk`` is not flown again. Returns
-    the rows. Raises ``ValueError`` with one line.
+    The same table whatever ``jobs``, ``ray`` and ``chunk`` are: ``content_sha256`` in the summary shows it. What was
+    interrupted goes on where it was, with the same ``chunk``. Raises ``ValueError`` with one line.
     """
     file, out = os.fspath(Path(file).resolve()), os.fspath(Path(out).resolve())
-    size = _native.campaign_size(file)
-    count = max(1, -(-size // chunk))
+    count = max(1, -(-_native.campaign_size(file) // chunk))
     Path(out).mkdir(parents=True, exist_ok=True)
-    execute = on_ray if ray else on_cores(min(jobs or os.cpu_count() or 1, count))
+    processes = min(jobs or os.cpu_count() or 1, count)
+    execute = on_ray if ray else on_cores(processes)
     folders = []
     for folder in execute(file, out, count):
         folders.append(folder)
         print(f"part {len(folders)} of {count} flown", file=sys.stderr)
-    _, rows = merge(sorted(folders), out)
-    return rows
+    return _native.campaign_merge(file, sorted(folders), out, keep_logs, processes)
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -120,13 +108,12 @@ def main(arguments: list[str] | None = None) -> int:
     if options.jobs is not None and options.jobs < 1:
         parser.error("--jobs is at least 1")
     try:
-        rows = run(options.file, options.out, jobs=options.jobs, ray=options.ray)
+        summary = run(options.file, options.out, jobs=options.jobs, ray=options.ray)
     except (ValueError, OSError) as error:
         print(f"error: {error}", file=sys.stderr)
         return 2
-    passed = int(rows["pass"].sum())
-    print(f"{passed} of {len(rows)} flights passed: {options.out}")
-    return 0 if passed == len(rows) else 1
+    print(f"{summary['passed']} of {summary['flown']} flights passed: {options.out}")
+    return 0 if summary["failed"] == 0 else 1
 
 
 if __name__ == "__main__":

@@ -179,14 +179,14 @@ impl<const R: usize> Lanes<R> {
         for i in 0..LANES {
             let mut thrust = 0.0;
             let mut moment = V3::zeros();
-            for r in 0..R {
+            for (r, hub) in hubs.iter().enumerate() {
                 let speed = was.speed[r][i] + (was.target[r][i] - was.speed[r][i]) * share;
                 self.speed[r][i] = speed;
                 let t = was.per_square[r][i] * speed * speed;
                 thrust += t;
-                moment.x -= hubs[r].y * t;
-                moment.y += hubs[r].x * t;
-                moment.z += hubs[r].spin * t;
+                moment.x -= hub.y * t;
+                moment.y += hub.x * t;
+                moment.z += hub.spin * t;
             }
             let [w, x, y, z] = was.attitude.each_ref().map(|lane| lane[i]);
             let mut body = Body {
