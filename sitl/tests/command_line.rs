@@ -40,6 +40,14 @@ fn a_vehicle_too_heavy_to_fly_says_so_once_and_fails_with_or_without_an_end() {
 }
 
 #[test]
+fn parameters_that_do_not_go_together_are_the_reason_in_their_own_words() {
+    let here = folder("rule");
+    let said = sitl(&here, &["--headless", "--param", "RATE_P=5"]);
+    assert_eq!(said.code, 1, "{}", said.out);
+    assert_eq!(said.err, "error: never armed: ATC_TILT_P too fast for RATE_P\n");
+}
+
+#[test]
 fn the_verdict_is_the_last_line_and_has_every_key() {
     let here = folder("verdict");
     fs::write(

@@ -13,7 +13,8 @@ pub fn everything() -> Outcome {
     let clients = install::python_clients()?;
     run("cargo", &["fmt", "--all", "--check"])?;
     run("cargo", &["clippy", "--all-targets", "--locked", "--", "-D", "warnings"])?;
-    let beside = ["-p", "tautline-python", "-p", "tautline-view-wasm", "-p", "tautline-view-bindgen"];
+    let beside =
+        ["-p", "tautline-python", "-p", "tautline-view-wasm", "-p", "tautline-view-bindgen"];
     run("cargo", &[&["clippy", "--locked"], &beside[..], &["--", "-D", "warnings"]].concat())?;
     images::lint()?;
     cost::lint()?;

@@ -4,6 +4,7 @@ use super::{Flight, Progress};
 use crate::metrics::Summary;
 use serde::Serialize;
 use std::io::Write;
+use tautline_firmware::signal::Severity;
 
 /// A flight's `--json`: one object, its keys end in their units.
 #[derive(Clone, Debug, Serialize)]
@@ -73,24 +74,31 @@ impl<W: Write> Flight<W> {
         if let Some(why) = self.metrics.verdict.lost {
             return Some(format!("lost: {why}"));
         }
-        let refusal = self.refusal();
-        match (self.mission.progress(), refusal) {
-            (Progress::Failed(_) | Progress::Flying, Some(why)) => {
-                Some(format!("never armed: {why}"))
+        let never = |why: &str| format!("never armed: {why}");
+        match self.mission.progress() {
+            Progress::Done => None,
+            Progress::Flying => self.denial().map(never),
+            // Parameters that do not go together refuse in words of their own.
+            Progress::Failed(why) => {
+                let refusal = self.denial().or_else(|| self.last_warning());
+                let is_grounded = !self.metrics.verdict.has_armed;
+                Some(refusal.filter(|_| is_grounded).map_or_else(|| why.clone(), never))
             }
-            (Progress::Failed(why), None) => Some(why.clone()),
-            (Progress::Done | Progress::Flying, _) => None,
         }
     }
 
-    /// The last reason that kept the vehicle on the ground, if something did and it never armed.
-    fn refusal(&self) -> Option<&'static str> {
-        if self.metrics.verdict.has_armed {
-            return None;
-        }
-        self.events.iter().rev().find_map(|(_, event)| event.text.strip_prefix(DENIED))
+    /// What kept the vehicle on the ground, if a check did and it never armed.
+    fn denial(&self) -> Option<&'static str> {
+        let is_grounded = !self.metrics.verdict.has_armed;
+        let mut told = self.events.iter().rev().filter(|_| is_grounded);
+        told.find_map(|(_, event)| event.text.strip_prefix(DENIED))
+    }
+
+    fn last_warning(&self) -> Option<&'static str> {
+        let mut told = self.events.iter().rev().map(|(_, event)| event);
+        told.find(|event| event.severity <= Severity::Warning).map(|event| event.text)
     }
 }
 
-/// Begins every refusal to arm.
+/// Begins every check's refusal to arm.
 const DENIED: &str = "Arming denied: ";
