@@ -117,8 +117,9 @@ def _fly(
             elif is_by_hand:
                 sim.let_go()
                 is_by_hand = False
-        sim.step(chunk)
         ms += chunk
+        # By half a step early: times are whole milliseconds, and no rounding shall add one.
+        sim.fly(min(limit, (ms - 0.5) * 1e-3))
         if beside is not None and ms % estimator_ms == 0:
             beside.update(sim)
 
