@@ -14,6 +14,7 @@ mod recorder;
 mod recorder_inputs;
 mod shadow;
 pub mod tape;
+#[cfg(feature = "cli")]
 mod topics;
 mod verdict;
 mod world;
@@ -26,6 +27,7 @@ pub use mission::{MissionRunner, Progress};
 pub use physics::{Address, Physics};
 pub use recorder::{Origin, Recorder, quaternion};
 pub use shadow::Shadow;
+#[cfg(feature = "cli")]
 pub use topics::topics_page;
 pub use verdict::FlightVerdict;
 pub use world::World;

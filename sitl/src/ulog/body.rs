@@ -66,7 +66,8 @@ pub fn parameter(body: &[u8]) -> Option<(&str, Value)> {
     Some((name, value))
 }
 
-/// The levels are digits.
+/// The levels are digits, and what is said has no control characters: chance would else make texts of any length of a
+/// stream of bytes.
 pub fn text(body: &[u8], is_tagged: bool) -> Option<Text<'_>> {
     let (&level, mut rest) = body.split_first()?;
     let level = level.checked_sub(b'0').filter(|level| *level < 8)?;
@@ -76,7 +77,8 @@ pub fn text(body: &[u8], is_tagged: bool) -> Option<Text<'_>> {
         (tag, rest) = (Some(u16::from_le_bytes(*bytes)), after);
     }
     let (timestamp, bytes) = rest.split_first_chunk()?;
-    Some(Text { level, tag, timestamp: u64::from_le_bytes(*timestamp), bytes })
+    let is_said = bytes.iter().all(|byte| !byte.is_ascii_control() || byte.is_ascii_whitespace());
+    is_said.then(|| Text { level, tag, timestamp: u64::from_le_bytes(*timestamp), bytes })
 }
 
 /// Multi-id, message id and topic.
