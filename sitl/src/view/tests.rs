@@ -260,7 +260,7 @@ fn every_trial_shows_its_row_in_a_hold() {
 
 #[test]
 fn what_a_page_may_ask_for_is_spelled_as_the_tables_do() {
-    let ask = Ask::parse(r#"{"do":"fault","kind":"thrust_share","value":0.5,"motor":2}"#).unwrap();
+    let ask = Ask::parse(r#"{"do":"fault","kind":"motor_thrust","value":0.5,"motor":2}"#).unwrap();
     let Ask::Fault { kind, value, motor } = ask else { panic!("{ask:?}") };
-    assert_eq!((kind.rule().name, value, motor), ("thrust_share", 0.5, Some(2)));
+    assert_eq!((kind.rule().name, value, motor), ("motor_thrust", 0.5, Some(2)));
 }
