@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import signal
 import threading
 import time
 from pathlib import Path
@@ -134,10 +135,15 @@ def test_other_threads_run_while_it_flies() -> None:
 def test_control_c_ends_a_flight() -> None:
     import _thread
 
+    # Who starts tests in the background has the interrupt ignored.
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
     timer = threading.Timer(0.2, _thread.interrupt_main)
     timer.start()
-    with pytest.raises(KeyboardInterrupt):
-        tautline.Sim({}).step(10**9)
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            tautline.Sim({}).step(10**9)
+    finally:
+        signal.signal(signal.SIGINT, before)
 
 
 def test_a_flight_that_fails_says_why() -> None:
