@@ -120,7 +120,7 @@ def test_a_command_that_cannot_be_leaves_the_mission_alone() -> None:
 def test_what_fails_is_raised_by_finish() -> None:
     sim = tautline.Sim({})
     sim.takeoff(3.0)
-    with pytest.raises(RuntimeError, match="disarmed during takeoff"):
+    with pytest.raises(RuntimeError, match="never armed: Take-off refused"):
         sim.finish()
 
 
