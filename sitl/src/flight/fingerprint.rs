@@ -33,6 +33,7 @@ pub fn fingerprint(out: &StepOutput) -> u32 {
             take(x.to_bits());
         }
     }
-    out.events.iter().for_each(|event| take(event.text.len() as u32));
+    let texts = out.events.iter().flat_map(|event| event.text.bytes());
+    texts.for_each(|byte| take(byte.into()));
     hash
 }

@@ -3,9 +3,7 @@
 use crate::flight::MavlinkSender;
 use crate::plant::{Generator, generator, uniform};
 use crate::scenario::{Axis, FAULTS, FaultKind, FaultRule, FaultSection, Scenario};
-use mavlink::dialects::common::{
-    COMMAND_LONG_DATA, MANUAL_CONTROL_DATA, MavCmd, MavParamType, PARAM_SET_DATA,
-};
+use mavlink::dialects::common::{MANUAL_CONTROL_DATA, MavCmd, MavParamType, PARAM_SET_DATA};
 use mavlink::types::CharArray;
 use tautline_firmware::param::{Kind, META, Meta, Params};
 use tautline_firmware::supervisor::MODES;
@@ -257,22 +255,7 @@ impl Ask {
     pub fn datagram(&self, system: u8) -> Vec<u8> {
         let mut sender = MavlinkSender::new(255, 190);
         match self {
-            Self::Command(command, p) => {
-                let [param1, param2, param3, param4, param5, param6, param7] = *p;
-                sender.frame(&COMMAND_LONG_DATA {
-                    param1,
-                    param2,
-                    param3,
-                    param4,
-                    param5,
-                    param6,
-                    param7,
-                    command: *command,
-                    target_system: system,
-                    target_component: 1,
-                    confirmation: 0,
-                })
-            }
+            Self::Command(command, p) => sender.command(system, *command, *p),
             Self::Set(meta, value) => {
                 let (param_value, param_type) = match meta.kind {
                     Kind::Real => (*value, MavParamType::MAV_PARAM_TYPE_REAL32),
