@@ -3,6 +3,7 @@
 use super::Failure;
 use crate::replay::{Replayed, Settings, draw_difference, read, replay};
 use clap::{Args, ValueEnum};
+use serde::Serialize;
 use std::path::PathBuf;
 use tautline_firmware::param::Params;
 
@@ -41,13 +42,22 @@ enum Estimator {
     FullState,
 }
 
+/// The JSON object.
+#[derive(Serialize)]
+struct Told<'a> {
+    #[serde(flatten)]
+    replayed: &'a Replayed,
+    /// Where the recorded inputs end early; what follows was not replayed.
+    gap: Option<&'a str>,
+}
+
 /// Runs the recorded inputs again.
 pub fn run(options: &Options) -> Result<(), Failure> {
     let name = options.log.display();
     let named = |e: String| Failure::Usage(format!("{name}: {e}"));
     let bytes = std::fs::read(&options.log).map_err(|e| named(e.to_string()))?;
     let (items, gap) = read(&bytes).map_err(named)?;
-    if let Some(gap) = gap {
+    if let Some(gap) = &gap {
         eprintln!("warning: {name}: {gap}");
     }
     let settings = settings(options)?;
@@ -57,7 +67,8 @@ pub fn run(options: &Options) -> Result<(), Failure> {
             .map_err(|e| Failure::Run(format!("{}: {e}", path.display())))?;
     }
     if options.json {
-        say!("{}", serde_json::to_string(&replayed).map_err(|e| Failure::Run(e.to_string()))?);
+        let told = Told { replayed: &replayed, gap: gap.as_deref() };
+        say!("{}", serde_json::to_string(&told).map_err(|e| Failure::Run(e.to_string()))?);
     } else {
         print(&replayed, &settings);
     }
