@@ -1,6 +1,16 @@
-//! A flight's log as PX4's tools read it: their numbers, types, topics and fields.
+//! A flight's log as PX4's tools read it: their numbers, types, topics and fields; and as MCAP.
 
-#![allow(clippy::unwrap_used, clippy::panic, clippy::float_cmp, reason = "tests")]
+#![allow(
+    clippy::unwrap_used,
+    clippy::panic,
+    clippy::float_cmp,
+    clippy::indexing_slicing,
+    reason = "tests"
+)]
+
+mod log {
+    mod mcap;
+}
 
 use std::collections::{BTreeMap, BTreeSet};
 use tautline_firmware::log::{FlightLog, STEP_BYTES};

@@ -17,9 +17,9 @@
 //! | [`emulated`] | the same flight with an image under QEMU |
 //! | [`campaign`] | one scenario flown many times: varied, shared among machines, resumed |
 //! | [`view`] | a flight as a page shows it |
-//! | [`campaign`] | one flight over many seeds |
 //! | [`mod@bench`] | the papers' small worlds |
 //! | [`ulog`] | reading logs |
+//! | [`mcap`] | logs for Foxglove and Rerun |
 //! | [`report`] | pictures |
 //! | [`replay`] | a log's inputs through the firmware's step again |
 //! | [`sysid`] | thrust identification |
@@ -42,6 +42,8 @@ pub mod emulated;
 pub mod experiment;
 pub mod flight;
 pub mod ground;
+#[cfg(feature = "cli")]
+pub mod mcap;
 pub mod metrics;
 pub mod plant;
 #[cfg(feature = "cli")]

@@ -12,6 +12,7 @@ mod campaign;
 mod console;
 mod emulate;
 mod experiment;
+mod export;
 mod fly;
 mod network;
 mod outcome;
@@ -70,6 +71,8 @@ enum Command {
     Speed(speed::Options),
     /// Run a log's recorded inputs through the firmware's step again.
     Replay(replay::Options),
+    /// Write a log as MCAP, for Foxglove and Rerun.
+    Export(export::Options),
     /// Draw a log.
     Plot(plot::Options),
     /// Print a scenario with every key, or check one.
@@ -121,6 +124,7 @@ pub fn run() -> ExitCode {
         Some(Command::Sysid(options)) => sysid::run(&options),
         Some(Command::Speed(options)) => speed::run(&options),
         Some(Command::Replay(options)) => replay::run(&options),
+        Some(Command::Export(options)) => export::run(&options),
         Some(Command::Plot(options)) => plot::run(&options),
         Some(Command::Scenario(options)) => scenario::run(&options),
         Some(Command::Topics) => {

@@ -30,6 +30,13 @@ pub enum Kind<'a> {
     Nested(Rc<Layout<'a>>),
 }
 
+impl Field<'_> {
+    /// Room that only brings the next field into line.
+    pub fn is_padding(&self) -> bool {
+        self.name.starts_with("_padding")
+    }
+}
+
 impl Kind<'_> {
     pub fn size(&self) -> usize {
         match self {
@@ -79,7 +86,7 @@ impl Layout<'_> {
     /// All its numbers: path, offset and type, in the order of the bytes. Padding is none of them.
     pub fn numbers(&self) -> Vec<(String, usize, Scalar)> {
         let mut all = Vec::new();
-        for field in self.fields.iter().filter(|field| !field.name.starts_with("_padding")) {
+        for field in self.fields.iter().filter(|field| !field.is_padding()) {
             for index in 0..field.count.unwrap_or(1) {
                 let at = field.offset + index * field.kind.size();
                 let name = match field.count {

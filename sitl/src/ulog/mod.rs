@@ -6,6 +6,7 @@
 
 mod body;
 mod format;
+mod json;
 mod layout;
 mod log;
 mod notes;

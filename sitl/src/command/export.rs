@@ -1,0 +1,50 @@
+//! `cargo sitl export`.
+
+use super::Failure;
+use crate::mcap::export;
+use clap::Args;
+use std::fs::File;
+use std::io::BufWriter;
+use std::path::PathBuf;
+
+/// Options of an export.
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Example:\n  cargo sitl export logs/flight-0001.ulg --out flight.mcap\n\nFoxglove and Rerun open the file."
+)]
+pub struct Options {
+    /// A log, of the simulator, of a board or from elsewhere
+    #[arg(value_name = "LOG.ulg")]
+    log: PathBuf,
+    /// The MCAP file; beside the log if it is not named
+    #[arg(long, value_name = "FILE.mcap")]
+    out: Option<PathBuf>,
+    /// Take the stream of inputs that a replay needs along
+    #[arg(long)]
+    inputs: bool,
+}
+
+/// Writes the log anew.
+pub fn run(options: &Options) -> Result<(), Failure> {
+    let name = options.log.display();
+    let named = |e: String| Failure::Usage(format!("{name}: {e}"));
+    let bytes = std::fs::read(&options.log).map_err(|e| named(e.to_string()))?;
+    let path = options.out.clone().unwrap_or_else(|| options.log.with_extension("mcap"));
+    let file = File::create(&path).map_err(|e| Failure::Usage(format!("{}: {e}", path.display())));
+    let written = export(&bytes, BufWriter::new(file?), options.inputs).map_err(|e| {
+        // Half a file would pass for a flight.
+        let _ = std::fs::remove_file(&path);
+        named(e)
+    })?;
+    for note in &written.notes {
+        eprintln!("{name}: {note}");
+    }
+    say!(
+        "{}: {} topics, {} samples, {} texts.",
+        path.display(),
+        written.topics,
+        written.samples,
+        written.texts
+    );
+    Ok(())
+}
