@@ -294,6 +294,17 @@ record! {
     }
 }
 record! {
+    /// `wind_groundtruth`, by the simulator: the air's velocity at the vehicle.
+    WindTruth {
+        /// m/s.
+        windspeed_north: f32,
+        /// m/s.
+        windspeed_east: f32,
+        /// m/s.
+        windspeed_down: f32,
+    }
+}
+record! {
     /// `tether_sensors`: what a line's own sensors say. Zero where a sensor has not spoken.
     TetherSensors {
         /// Bit 0 vehicle's angles, 1 load cell, 2 station's load cell, 3 station's angles, 4 magnetometer, 5 second

@@ -1,13 +1,15 @@
 //! `cargo sitl plot`.
 
 use super::Failure;
-use crate::report::{FlightData, draw_flight};
+use crate::report::{FlightData, Kind, draw_flight};
 use clap::Args;
 use std::path::PathBuf;
 
 /// Options of a picture.
 #[derive(Debug, Args)]
-#[command(after_help = "Example:\n  cargo sitl plot logs/flight-0001.ulg --out flight.svg")]
+#[command(
+    after_help = "Examples:\n  cargo sitl plot logs/flight-0001.ulg --out flight.svg\n  cargo sitl plot logs/flight-0001.ulg --panel map --panel wind"
+)]
 pub struct Options {
     /// A log that the simulator wrote
     #[arg(value_name = "LOG.ulg")]
@@ -15,6 +17,9 @@ pub struct Options {
     /// The picture
     #[arg(long, value_name = "FILE.svg", default_value = "flight.svg")]
     out: PathBuf,
+    /// Draw this alone (repeatable); else whatever the log has
+    #[arg(long, value_name = "NAME")]
+    panel: Vec<Kind>,
     /// Its title
     #[arg(long, default_value = "Tautline: a flight on the tether")]
     title: String,
@@ -26,7 +31,7 @@ pub fn run(options: &Options) -> Result<(), Failure> {
     for note in &data.notes {
         eprintln!("{}: {note}", options.log.display());
     }
-    draw_flight(&data, &options.title, &options.out).map_err(Failure::Run)?;
+    draw_flight(&data, &options.title, &options.panel, &options.out).map_err(Failure::Run)?;
     say!("Picture: {}", options.out.display());
     Ok(())
 }

@@ -8,7 +8,6 @@ use crate::metrics::AngleFlightSummary;
 use crate::report::chart::{ESTIMATE, Line, Panel, Points, SETPOINT, THIRD, TRUTH};
 use crate::report::grid::{self, grid};
 use crate::scenario::{Scenario, Step};
-use plotters::prelude::SeriesLabelPosition;
 use tautline_firmware::estimate::tether_angle::plane_angles;
 use tautline_firmware::frames::World;
 
@@ -207,8 +206,7 @@ fn picture(settings: &Overrides) -> Result<Vec<grid::Cell>, String> {
     };
     Ok(vec![
         (
-            Panel::new("The anchor walks, the vehicle follows", "time, s", "north, m")
-                .legend(SeriesLabelPosition::MiddleRight),
+            Panel::new("The anchor walks, the vehicle follows", "time, s", "north, m"),
             vec![Line::new("vehicle", TRUTH, body), Line::new("anchor", THIRD, anchor)],
         ),
         angles("Tether angle in the plane of north", ref_north, north, est_north),

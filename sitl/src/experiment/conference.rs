@@ -1,6 +1,6 @@
 //! The conference article: compression, and what its observer needs in discrete time.
 
-use super::{Compare, Overrides, Report, pictures, scan};
+use super::{Compare, Overrides, Report, Source, pictures, scan};
 use crate::bench::planar::{PlanarScenario, UpdateKind, fly};
 
 /// Fig. 4.
@@ -25,12 +25,12 @@ pub fn compression(settings: &Overrides) -> Result<Report, String> {
     report.add(
         "largest tension, N",
         n.link_force[1],
-        Compare::Near { value: 20.0, share: 0.01, slack: 0.0 },
+        Compare::Near { from: Source::Paper, value: 20.0, share: 0.01, slack: 0.0 },
     );
     report.add(
         "largest compression, N",
         -n.link_force[0],
-        Compare::Near { value: 20.0, share: 0.01, slack: 0.0 },
+        Compare::Near { from: Source::Paper, value: 20.0, share: 0.01, slack: 0.0 },
     );
     report.add("lowest thrust, N", n.thrust[0], {
         Compare::Claim("thrust stays positive", n.thrust[0] > 0.0)
@@ -128,9 +128,9 @@ pub fn observer_forms(settings: &Overrides) -> Result<Report, String> {
                 } else if value > 0.1 && update != UpdateKind::PredictorCorrector {
                     Compare::Claim("over 0.1 rad", ours > 0.1)
                 } else if update == UpdateKind::PredictorCorrector {
-                    Compare::Near { value, share: 0.2, slack: 2e-5 }
+                    Compare::Near { from: Source::Specification, value, share: 0.2, slack: 2e-5 }
                 } else {
-                    Compare::Near { value, share: 0.5, slack: 1e-4 }
+                    Compare::Near { from: Source::Specification, value, share: 0.5, slack: 1e-4 }
                 };
                 report.add(format!("{name}, {form}, {rate} Hz: elevation max, rad"), ours, compare);
                 if ours.is_finite() {

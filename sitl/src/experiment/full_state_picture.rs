@@ -53,7 +53,6 @@ impl FullStatePicture {
         root.fill(&WHITE)?;
         let areas = root.split_evenly((2, 2));
         let [force, change, error, plan] = areas.as_slice() else { return Ok(()) };
-        let below = SeriesLabelPosition::LowerRight;
         let (out, right) = ("away from the anchor, N", "to the right, N");
         let samples = &self.moved.force;
         let reach = samples.iter().fold(0.0_f64, |least, p| least.min(p.0)) - 0.5;
@@ -62,8 +61,7 @@ impl FullStatePicture {
         };
         draw(
             force,
-            &Panel::new("Level force without thrust, 12 s, wind from the side", out, right)
-                .legend(below.clone()),
+            &Panel::new("Level force without thrust, 12 s, wind from the side", out, right),
             &[Line::new("samples of 0.1 s", SETPOINT, samples.clone()), line(reach, 0.0)],
         )?;
         let steps: Points = samples
@@ -73,8 +71,7 @@ impl FullStatePicture {
             .collect();
         draw(
             change,
-            &Panel::new("Its change over 0.4 s lies along the line", out, right)
-                .legend(below.clone()),
+            &Panel::new("Its change over 0.4 s lies along the line", out, right),
             &[Line::new("change", SETPOINT, steps), line(-4.0, 4.0)],
         )?;
         draw(
@@ -94,8 +91,7 @@ impl FullStatePicture {
                 "Seen from above: where it is, where it thinks it is",
                 "East, m",
                 "North, m",
-            )
-            .legend(below),
+            ),
             &[
                 Line::new("true, flown by the full state", TRUTH, truth.clone()),
                 Line::new("full state", SETPOINT, estimate.clone()),

@@ -1,6 +1,6 @@
 //! Al-Radaideh and Sun's table and figures: position and tension over tension, altitude and velocity.
 
-use super::{Band, Compare, Overrides, Report};
+use super::{Band, Compare, Overrides, Report, Source};
 use crate::bench::localization::{
     DT, ESTIMATORS, LocalizationScenario, Outcome, SETTLED, Sample, Setup, Track, generate, run,
 };
@@ -8,7 +8,6 @@ use crate::campaign::parallel;
 use crate::plant::V3;
 use crate::report::chart::{ESTIMATE, Line, Panel, Points, SETPOINT, THIRD, TRUTH};
 use crate::report::grid::{self, grid};
-use plotters::prelude::SeriesLabelPosition;
 use plotters::style::RGBColor;
 use tautline_firmware::estimate::localization::ErrorStateNoise;
 
@@ -69,9 +68,14 @@ pub fn table(settings: &Overrides) -> Result<Report, String> {
             };
             let horizontal = i % 3 != 2 && i != 6;
             let compare = if horizontal && (2.0..=4.0).contains(&tension) {
-                Compare::Near { value, share: 0.5, slack: 0.05 }
+                Compare::Near { from: Source::Paper, value, share: 0.5, slack: 0.05 }
             } else {
-                Compare::Explained { value, why: why(tension, i), ours: band(tension, i) }
+                Compare::Explained {
+                    from: Source::Paper,
+                    value,
+                    why: why(tension, i),
+                    ours: band(tension, i),
+                }
             };
             report.add(format!("{tension} N: {name}"), ours, compare);
         }
@@ -257,12 +261,7 @@ fn sweep(
     Ok(out)
 }
 
-fn cell(
-    title: &'static str,
-    x: &'static str,
-    legend: SeriesLabelPosition,
-    s: &Sweep,
-) -> grid::Cell {
+fn cell(title: &'static str, x: &'static str, s: &Sweep) -> grid::Cell {
     let [three, four, low, error_state] = &s.errors;
     let line = |name: &'static str, colour: RGBColor, errors: &[f64]| {
         Line::new(name, colour, s.values.iter().copied().zip(errors.iter().copied()).collect())
@@ -274,7 +273,7 @@ fn cell(
         line("3-state", TRUTH, three).dashed(),
         line("error-state", THIRD, error_state),
     ];
-    (Panel::new(title, x, "horizontal rms per axis, m").legend(legend), lines)
+    (Panel::new(title, x, "horizontal rms per axis, m"), lines)
 }
 
 fn add_sweep(report: &mut Report, what: &str, unit: &str, s: &Sweep) {
@@ -348,9 +347,9 @@ pub fn sweeps(settings: &Overrides) -> Result<Report, String> {
         Compare::Claim("below 0.3 m", largest < 0.3),
     );
     let cells = vec![
-        cell("Altitude, 4 N (Fig. 12)", "m", SeriesLabelPosition::MiddleLeft, &altitude),
-        cell("Velocity, 4 N (Fig. 13)", "m/s", SeriesLabelPosition::UpperLeft, &velocity),
-        cell("Cable tension (Fig. 14)", "N", SeriesLabelPosition::UpperRight, &tension),
+        cell("Altitude, 4 N (Fig. 12)", "m", &altitude),
+        cell("Velocity, 4 N (Fig. 13)", "m/s", &velocity),
+        cell("Cable tension (Fig. 14)", "N", &tension),
     ];
     report.picture("sweeps.svg", move |path| grid(path, 2, &cells));
     Ok(report)

@@ -27,7 +27,7 @@ mod thrust;
 mod thrust_flight;
 mod which_sensor;
 
-pub use report::{Band, Compare, Line, Picture, Report};
+pub use report::{Band, Compare, Line, Picture, Report, Source};
 
 use crate::bench::planar::PlanarScenario;
 use crate::scenario::settings;

@@ -63,19 +63,14 @@ pub fn tracking(series: &TimeSeries, path: &Path) -> Drawn {
     };
     let degrees = |row: &Row| row.state[0].to_degrees();
     let setpoint = |row: &Row| row.elevation_reference.to_degrees();
-    let below = SeriesLabelPosition::LowerRight;
-    draw(
-        elevation,
-        &Panel::new("Elevation", "time, s", "deg").legend(below.clone()),
-        &lines(&degrees, Some(&setpoint)),
-    )?;
+    draw(elevation, &Panel::new("Elevation", "time, s", "deg"), &lines(&degrees, Some(&setpoint)))?;
     let law = series.law;
     draw(
         output,
-        &Panel::new(name, "time, s", unit).legend(below.clone()),
+        &Panel::new(name, "time, s", unit),
         &lines(&|row| second_of(law, row), Some(&|row| row.second_reference * scale)),
     )?;
-    draw(thrust, &Panel::new("Thrust", "time, s", "N").legend(below), &lines(&|r| r.thrust, None))?;
+    draw(thrust, &Panel::new("Thrust", "time, s", "N"), &lines(&|r| r.thrust, None))?;
     draw(torque, &Panel::new("Torque", "time, s", "N m"), &lines(&|r| r.torque, None))?;
     root.present()?;
     Ok(())
@@ -132,7 +127,7 @@ pub fn scan(panels: &[ScanPanel], title: &str, path: &Path) -> Drawn {
                 lines.push(Line::new("", colour.mix_with_white(), pick(-1.0)).dashed());
             }
             let text = format!("{}: {column}", panel.what);
-            let caption = Panel::new(text, "", "error, 1").legend(SeriesLabelPosition::UpperMiddle);
+            let caption = Panel::new(text, "", "error, 1");
             draw(area, &caption, &lines)?;
         }
     }
@@ -170,8 +165,7 @@ pub fn noisy(traces: &[Trace], path: &Path) -> Drawn {
         }
         lines
     };
-    let at = SeriesLabelPosition::LowerRight;
-    let caption = |title: &'static str, unit| Panel::new(title, "time, s", unit).legend(at.clone());
+    let caption = |title: &'static str, unit| Panel::new(title, "time, s", unit);
     draw(
         elevation,
         &caption("Elevation", "deg"),
@@ -374,8 +368,7 @@ pub fn lags(curves: &[(bool, String, Points)], path: &Path) -> Drawn {
             .collect();
         let title = if modelled { "Observer told of the lag" } else { "Observer not told" };
         let panel =
-            Panel::new(title, "time constant of the motors, s", "largest elevation error, deg")
-                .legend(SeriesLabelPosition::UpperLeft);
+            Panel::new(title, "time constant of the motors, s", "largest elevation error, deg");
         draw(area, &panel, &lines)?;
     }
     root.present()?;

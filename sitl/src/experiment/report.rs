@@ -51,6 +51,24 @@ impl Band {
     }
 }
 
+/// Whose figure another is compared with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Source {
+    /// Printed in one of the papers.
+    Paper,
+    /// Of the theory's tables: another implementation of the same equations.
+    Specification,
+}
+
+impl Source {
+    const fn name(self) -> &'static str {
+        match self {
+            Self::Paper => "published",
+            Self::Specification => "specification",
+        }
+    }
+}
+
 /// Against what a figure stands.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Compare {
@@ -60,6 +78,8 @@ pub enum Compare {
     AtMost(f64),
     /// Must be within this share of the value, or this far from it.
     Near {
+        /// Whose.
+        from: Source,
         /// Expected.
         value: f64,
         /// Relative.
@@ -78,6 +98,8 @@ pub enum Compare {
     },
     /// Differs from the reference, and we know why.
     Explained {
+        /// Whose.
+        from: Source,
         /// Expected.
         value: f64,
         /// Why it differs.
@@ -108,7 +130,7 @@ impl Line {
                 ours.contains(self.ours)
             }
             Compare::AtMost(limit) => self.ours <= limit,
-            Compare::Near { value, share, slack } => {
+            Compare::Near { value, share, slack, .. } => {
                 let off = (self.ours - value).abs();
                 off <= share * value.abs() || off <= slack
             }
@@ -116,13 +138,59 @@ impl Line {
         }
     }
 
-    fn published(&self) -> Option<f64> {
+    /// The figure that this source has for it.
+    fn expected(&self, source: Source) -> Option<f64> {
         match self.compare {
-            Compare::AtMost(value)
-            | Compare::Near { value, .. }
-            | Compare::Explained { value, .. } => Some(value),
+            Compare::Near { from, value, .. } | Compare::Explained { from, value, .. } => {
+                Some(value).filter(|_| from == source)
+            }
             _ => None,
         }
+    }
+
+    const fn limit(&self) -> Option<f64> {
+        match self.compare {
+            Compare::AtMost(limit) => Some(limit),
+            _ => None,
+        }
+    }
+
+    const fn claim(&self) -> Option<&'static str> {
+        match self.compare {
+            Compare::Claim(claim, _) | Compare::Refuted { claim, .. } => Some(claim),
+            _ => None,
+        }
+    }
+
+    /// Nothing to compare with, as it should be, other than theirs and we know why, or wrong.
+    fn verdict(&self) -> Option<&'static str> {
+        match self.compare {
+            Compare::Alone => None,
+            _ if !self.passes() => Some("fails"),
+            Compare::Refuted { .. } | Compare::Explained { .. } => Some("differs"),
+            _ => Some("ok"),
+        }
+    }
+
+    /// As an object: words and unit apart, and whatever it stands against under a name of its own.
+    fn json(&self) -> Value {
+        let (name, unit) = self.name.rsplit_once(", ").unwrap_or((&self.name, ""));
+        let why = match self.compare {
+            Compare::Explained { why, .. } => Some(why),
+            _ => None,
+        };
+        json!({
+            "name": name,
+            "unit": unit,
+            "metric": identifier(&self.name),
+            "value": self.ours,
+            "published": self.expected(Source::Paper),
+            "specification": self.expected(Source::Specification),
+            "limit": self.limit(),
+            "claim": self.claim(),
+            "why": why,
+            "verdict": self.verdict(),
+        })
     }
 
     /// One line of the table.
@@ -131,20 +199,19 @@ impl Line {
         let theirs = match self.compare {
             Compare::Alone => String::new(),
             Compare::AtMost(limit) => format!("limit {}", number(limit)),
-            Compare::Near { value, .. } => format!("reference {}", number(value)),
-            Compare::Explained { value, why, ours } => {
-                format!("reference {}; {why}; {}", number(value), ours.text())
+            Compare::Near { from, value, .. } => format!("{} {}", from.name(), number(value)),
+            Compare::Explained { from, value, why, ours } => {
+                format!("{} {}; {why}; {}", from.name(), number(value), ours.text())
             }
             Compare::Claim(claim, _) => format!("claimed: {claim}"),
             Compare::Refuted { claim, ours } => {
                 format!("claimed: {claim}; not reproduced, {}", ours.text())
             }
         };
-        let verdict = match self.compare {
-            Compare::Alone => "",
-            _ if !self.passes() => "FAILS",
-            Compare::Refuted { .. } | Compare::Explained { .. } => "DIFFERS",
-            _ => "ok",
+        let verdict = match self.verdict() {
+            None => String::new(),
+            Some("ok") => "ok".into(),
+            Some(other) => other.to_uppercase(),
         };
         format!("{:<58} {:>10}  {verdict:<7} {theirs}", self.name, number(self.ours))
     }
@@ -190,7 +257,8 @@ impl Report {
         self.lines.iter().all(Line::passes)
     }
 
-    /// As the contract's JSON object. A figure that is not finite is null.
+    /// One JSON object: all figures by name, those that the papers print, and each as a row with what it stands against
+    /// and its verdict. A figure that is not finite is null.
     #[must_use]
     pub fn json(&self, key: &str, seed: u64, sets: &[(String, String)]) -> Value {
         let settings: Map<String, Value> =
@@ -200,7 +268,7 @@ impl Report {
         let published: Map<String, Value> = self
             .lines
             .iter()
-            .filter_map(|l| Some((identifier(&l.name), json!(l.published()?))))
+            .filter_map(|l| Some((identifier(&l.name), json!(l.expected(Source::Paper)?))))
             .collect();
         json!({
             "experiment": key,
@@ -208,6 +276,7 @@ impl Report {
             "settings": settings,
             "metrics": metrics,
             "published": published,
+            "rows": self.lines.iter().map(Line::json).collect::<Vec<_>>(),
             "pass": self.passes(),
         })
     }
@@ -252,7 +321,12 @@ mod tests {
     fn a_figure_that_differs_from_the_published_one_fails_outside_its_own_band() {
         let passes = |ours: f64, band| {
             let refuted = Compare::Refuted { claim: "stable", ours: band };
-            let explained = Compare::Explained { value: 9.0, why: "another record", ours: band };
+            let explained = Compare::Explained {
+                from: Source::Paper,
+                value: 9.0,
+                why: "another record",
+                ours: band,
+            };
             let lines =
                 [refuted, explained].map(|compare| Line { name: "x".into(), ours, compare });
             let [a, b] = lines.each_ref().map(Line::passes);
@@ -265,6 +339,32 @@ mod tests {
         assert!(!passes(f64::NAN, Band::new(1.0, 2.0)) && !passes(f64::NAN, Band::LOST));
         assert!(passes(f64::INFINITY, Band::LOST) && !passes(3.0, Band::LOST));
         assert!(!passes(f64::INFINITY, Band::new(1.0, 2.0)));
+    }
+
+    #[test]
+    fn a_row_tells_published_specified_and_limit_apart() {
+        let near = |from| Compare::Near { from, value: 2.0, share: 0.1, slack: 0.0 };
+        let mut report = Report::default();
+        report.add("calm: elevation rms, rad", 2.1, near(Source::Paper));
+        report.add("lost of 6, 1", 3.0, near(Source::Specification));
+        report.add("tension rms, N", 0.5, Compare::AtMost(1.0));
+        report.add("thrust, N", 5.0, Compare::Alone);
+        let json = report.json("k", 1, &[]);
+        let row = |i: usize, key: &str| json["rows"][i][key].clone();
+        assert_eq!([row(0, "name"), row(0, "unit")], ["calm: elevation rms", "rad"]);
+        assert_eq!(row(0, "metric"), "calm_elevation_rms_rad");
+        assert_eq!(
+            [row(0, "published"), row(1, "specification"), row(2, "limit")],
+            [2.0, 2.0, 1.0]
+        );
+        assert_eq!(
+            [row(0, "verdict"), row(1, "verdict"), row(2, "verdict")],
+            ["ok", "fails", "ok"]
+        );
+        let none =
+            [row(0, "specification"), row(0, "limit"), row(1, "published"), row(3, "verdict")];
+        assert!(none.iter().all(Value::is_null));
+        assert_eq!(json["published"].as_object().unwrap().len(), 1);
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! `planar` section 10: what still flies, and how badly. Ours beside the reference's, within 20 %.
 
 use super::journal::{single, with_error};
-use super::{Band, Compare, Overrides, Report, scan};
+use super::{Band, Compare, Overrides, Report, Source, scan};
 use crate::bench::planar::{LawKind, PlanarScenario};
 use crate::campaign::parallel;
 
@@ -10,7 +10,7 @@ const SHARE: f64 = 0.2;
 
 /// Within 20 %, or within the rounding of the printed reference.
 fn near(value: f64, rounding: f64) -> Compare {
-    Compare::Near { value, share: SHARE, slack: rounding }
+    Compare::Near { from: Source::Specification, value, share: SHARE, slack: rounding }
 }
 
 /// Runs every table.
@@ -272,12 +272,13 @@ fn noise(settings: &Overrides, report: &mut Report) -> Result<(), String> {
         } else if law == LawKind::Attitude && epsilon > 0.9 && rate_hz < 500.0 {
             // The mean of five seeds: 0.15 to 0.21 from six first seeds; twice that spread.
             Compare::Explained {
+                from: Source::Specification,
                 value: expected,
                 why: "40 seeds spread from 0.07 to 0.45",
                 ours: Band::new(0.12, 0.27),
             }
         } else {
-            Compare::Near { value: expected, share: 0.5, slack: 0.003 }
+            Compare::Near { from: Source::Specification, value: expected, share: 0.5, slack: 0.003 }
         };
         report.add(
             format!("{} noise, ε {epsilon}, {rate_hz} Hz{force}: elevation rms, rad", name(law)),

@@ -1,6 +1,6 @@
 //! Thrust identification: the article's Table 1 on a synthetic record, and on the simulator's own flights.
 
-use super::{Band, Compare, Overrides, Report};
+use super::{Band, Compare, Overrides, Report, Source};
 use crate::sysid::{Identified, Model, draw_predictions, identify, parse_csv, prepare};
 
 /// The synthetic record of the specification, the same that the golden vectors hold.
@@ -46,7 +46,7 @@ pub fn add_fits(report: &mut Report) -> Result<Vec<Result<Identified, String>>, 
         report.add(
             format!("thrust, {}: fit five steps ahead, %", model.name),
             model.fit,
-            Compare::Near { value, share: 0.0, slack: slack + 0.05 },
+            Compare::Near { from: Source::Specification, value, share: 0.0, slack: slack + 0.05 },
         );
         if model.name.starts_with("ARX") {
             report.add(
@@ -72,6 +72,7 @@ pub fn table(settings: &Overrides) -> Result<Report, String> {
                 model.fit,
                 // Nothing random: half a per cent of fit for another minimum of the search.
                 Compare::Explained {
+                    from: Source::Paper,
                     value,
                     why: "another record: only the order compares",
                     ours: Band::new(ours - 0.5, ours + 0.5),

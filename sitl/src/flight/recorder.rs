@@ -10,6 +10,7 @@ use nalgebra::UnitQuaternion;
 use std::io::{self, Write};
 use tautline_firmware::log::topics::{
     EstimatorPosition, TetherTruth, VehicleAngularVelocity, VehicleAttitude, VehicleLocalPosition,
+    WindTruth,
 };
 use tautline_firmware::log::{FlightLog, MEDIUM, Topic, TopicMeta};
 use tautline_firmware::param::Params;
@@ -23,6 +24,7 @@ const ATTITUDE: &str = "vehicle_attitude_groundtruth";
 const RATE: &str = "vehicle_angular_velocity_groundtruth";
 const POSITION: &str = "vehicle_local_position_groundtruth";
 const TETHER: &str = "tether_state_groundtruth";
+const WIND: &str = "wind_groundtruth";
 
 /// The truth.
 pub const TRUTH: &[TopicMeta] = &[
@@ -30,6 +32,7 @@ pub const TRUTH: &[TopicMeta] = &[
     TopicMeta::new::<VehicleAngularVelocity>(RATE),
     TopicMeta::new::<VehicleLocalPosition>(POSITION),
     TopicMeta::new::<TetherTruth>(TETHER),
+    TopicMeta::new::<WindTruth>(WIND),
 ];
 
 /// What a flight is flown again by.
@@ -51,6 +54,7 @@ pub struct Recorder<W: Write> {
     rate: Topic,
     position: Topic,
     tether: Topic,
+    wind: Topic,
     inputs: InputTopics,
     tape: Option<Tape>,
     now: u64,
@@ -107,6 +111,7 @@ impl<W: Write> Recorder<W> {
         let rate = log.ulog.subscribe(RATE, &mut sink);
         let position = log.ulog.subscribe(POSITION, &mut sink);
         let tether = log.ulog.subscribe(TETHER, &mut sink);
+        let wind = log.ulog.subscribe(WIND, &mut sink);
         let inputs = InputTopics::subscribe(&mut log.ulog, params, &mut sink);
         let tape = origin.begin.clone().map(|begin| {
             let mut tape = Tape::subscribe(&mut log.ulog, &mut sink);
@@ -124,6 +129,7 @@ impl<W: Write> Recorder<W> {
             rate,
             position,
             tether,
+            wind,
             inputs,
             tape,
             now: now.0,
@@ -155,6 +161,7 @@ impl<W: Write> Recorder<W> {
             self.log.ulog.write(self.rate, &true_rate(at, plant), &mut sink);
             self.log.ulog.write(self.position, &true_position(at, plant), &mut sink);
             self.log.ulog.write(self.tether, &true_tether(at, plant), &mut sink);
+            self.log.ulog.write(self.wind, &true_wind(at, plant), &mut sink);
         }
         if !self.shadows.is_empty() {
             self.estimators
@@ -248,6 +255,11 @@ fn true_position(timestamp: u64, plant: &Plant) -> VehicleLocalPosition {
         v_z_valid: true,
         dist_bottom_valid: true,
     }
+}
+
+fn true_wind(timestamp: u64, plant: &Plant) -> WindTruth {
+    let [north, east, down] = plant.wind.velocity.map(|x| x as f32).into();
+    WindTruth { timestamp, windspeed_north: north, windspeed_east: east, windspeed_down: down }
 }
 
 fn true_tether(timestamp: u64, plant: &Plant) -> TetherTruth {

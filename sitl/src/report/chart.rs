@@ -1,5 +1,6 @@
 //! One chart: lines with names over two labelled axes.
 
+use super::legend;
 use plotters::coord::Shift;
 use plotters::prelude::*;
 use std::borrow::Cow;
@@ -10,6 +11,13 @@ use std::ops::Range;
 pub type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 /// Points.
 pub type Points = Vec<(f64, f64)>;
+
+/// Room that a chart's axes and title take, and the letters of its legend, pixels.
+pub(super) const MARGIN: u32 = 12;
+pub(super) const CAPTION: u32 = 20;
+pub(super) const X_LABELS: u32 = 42;
+pub(super) const Y_LABELS: u32 = 54;
+pub(super) const FONT: u32 = 15;
 
 /// Colours, one meaning each.
 pub const TRUTH: RGBColor = RGBColor(30, 30, 30);
@@ -22,24 +30,41 @@ pub const SETPOINT: RGBColor = RGBColor(40, 110, 200);
 /// A third series beside truth and estimate.
 pub const THIRD: RGBColor = RGBColor(40, 140, 90);
 
+/// How a series is drawn.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Stroke {
+    Solid,
+    Dashed,
+    Dots,
+}
+
 /// One line with its name; an empty name stays out of the legend.
 #[derive(Clone)]
 pub struct Line {
-    name: Cow<'static, str>,
+    pub(super) name: Cow<'static, str>,
     colour: RGBColor,
-    points: Points,
-    is_dashed: bool,
+    pub(super) points: Points,
+    stroke: Stroke,
 }
 
 impl Line {
     /// Solid.
     pub fn new(name: impl Into<Cow<'static, str>>, colour: RGBColor, points: Points) -> Self {
-        Self { name: name.into(), colour, points, is_dashed: false }
+        Self { name: name.into(), colour, points, stroke: Stroke::Solid }
     }
     /// Dashed.
     #[must_use]
     pub fn dashed(self) -> Self {
-        Self { is_dashed: true, ..self }
+        Self { stroke: Stroke::Dashed, ..self }
+    }
+    /// A dot for each point: figures that somebody printed.
+    #[must_use]
+    pub fn dots(self) -> Self {
+        Self { stroke: Stroke::Dots, ..self }
+    }
+    /// Whether the eye sees it between its points, too.
+    pub(super) fn is_joined(&self) -> bool {
+        self.stroke != Stroke::Dots
     }
 }
 
@@ -51,19 +76,12 @@ pub struct Panel {
     pub x: &'static str,
     /// Beside it, with unit.
     pub y: &'static str,
-    /// Where the names stand.
-    pub legend: SeriesLabelPosition,
 }
 
 impl Panel {
-    /// With the names at the upper right.
+    /// All three.
     pub fn new(title: impl Into<Cow<'static, str>>, x: &'static str, y: &'static str) -> Self {
-        Self { title: title.into(), x, y, legend: SeriesLabelPosition::UpperRight }
-    }
-    /// With the names elsewhere.
-    #[must_use]
-    pub fn legend(self, legend: SeriesLabelPosition) -> Self {
-        Self { legend, ..self }
+        Self { title: title.into(), x, y }
     }
 }
 
@@ -81,7 +99,7 @@ pub fn bounds(lines: &[Line], pick: impl Fn(&(f64, f64)) -> f64) -> Range<f64> {
 }
 
 /// At most about this many points per line: enough for a picture. A gap at what is not finite.
-fn thin(points: &Points) -> impl Iterator<Item = (f64, f64)> + Clone + '_ {
+pub(super) fn thin(points: &Points) -> impl Iterator<Item = (f64, f64)> + Clone + '_ {
     let step = (points.len() / 800).max(1);
     points.iter().copied().step_by(step).filter(|(x, y)| x.is_finite() && y.is_finite())
 }
@@ -99,11 +117,12 @@ pub fn plot(
     (x_range, y_range): (Range<f64>, Range<f64>),
     marks: &[(f64, f64)],
 ) -> Result<(), Box<dyn Error>> {
+    let legend = legend::roomiest(lines, (&x_range, &y_range), area.dim_in_pixel());
     let mut chart = ChartBuilder::on(area)
-        .caption(&panel.title, ("sans-serif", 20))
-        .margin(12)
-        .x_label_area_size(42)
-        .y_label_area_size(54)
+        .caption(&panel.title, ("sans-serif", CAPTION))
+        .margin(MARGIN)
+        .x_label_area_size(X_LABELS)
+        .y_label_area_size(Y_LABELS)
         .build_cartesian_2d(x_range, y_range)?;
     chart
         .configure_mesh()
@@ -116,10 +135,14 @@ pub fn plot(
     for line in lines {
         let colour = line.colour;
         let points = thin(&line.points);
-        let drawn = if line.is_dashed {
-            chart.draw_series(DashedLineSeries::new(points, 7, 5, colour.stroke_width(2)))?
-        } else {
-            chart.draw_series(LineSeries::new(points, colour.stroke_width(2)))?
+        let drawn = match line.stroke {
+            Stroke::Solid => chart.draw_series(LineSeries::new(points, colour.stroke_width(2)))?,
+            Stroke::Dashed => {
+                chart.draw_series(DashedLineSeries::new(points, 7, 5, colour.stroke_width(2)))?
+            }
+            Stroke::Dots => {
+                chart.draw_series(points.map(|at| Circle::new(at, 4, colour.filled())))?
+            }
         };
         if !line.name.is_empty() {
             drawn.label(line.name.as_ref()).legend(move |(x, y)| {
@@ -133,10 +156,10 @@ pub fn plot(
     }
     chart
         .configure_series_labels()
-        .position(panel.legend.clone())
+        .position(legend)
         .background_style(WHITE.mix(0.85))
         .border_style(RGBColor(180, 180, 180))
-        .label_font(("sans-serif", 15))
+        .label_font(("sans-serif", FONT))
         .draw()?;
     Ok(())
 }

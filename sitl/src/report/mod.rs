@@ -3,8 +3,12 @@
 pub mod chart;
 mod draw;
 pub mod grid;
+mod legend;
+mod panels;
 mod read;
 pub mod space;
+mod timeline;
 
 pub use draw::draw_flight;
-pub use read::{FlightData, Series};
+pub use panels::Kind;
+pub use read::{FlightData, Series, State};

@@ -2,7 +2,7 @@
 
 use super::cases::{DISTURBANCES, add_error, mean, summaries, worst};
 use crate::bench::pendulum::{FilterSet, GainSet, PendulumScenario, PendulumSummary, Precision};
-use crate::experiment::{Compare, Overrides, Report};
+use crate::experiment::{Compare, Overrides, Report, Source};
 use crate::scenario::DisturbanceKind;
 
 /// Seeds of a row with random numbers.
@@ -155,7 +155,7 @@ fn recovery(t: &mut Table) -> Result<(), String> {
     };
     let name = "S9 hover, tilted 30 deg, no limits";
     let runs = t.fly(name, fallen, 1.0)?;
-    let near = |value| Compare::Near { value, share: 0.1, slack: 0.0 };
+    let near = |value| Compare::Near { from: Source::Specification, value, share: 0.1, slack: 0.0 };
     for (what, pick, compare) in [
         ("thrust peak, N", (|s| s.thrust_peak) as fn(&PendulumSummary) -> f64, near(6.05)),
         ("rate peak, rad/s", |s| s.rate_peak, near(15.1)),

@@ -2,7 +2,7 @@
 
 use super::cases::{DISTURBANCES, add_error, summaries};
 use crate::bench::pendulum::{GainSet, LawKind, PendulumScenario};
-use crate::experiment::{Band, Compare, Overrides, Report};
+use crate::experiment::{Band, Compare, Overrides, Report, Source};
 use crate::report::chart::{ESTIMATE, Line, Panel, Points, SETPOINT, THIRD, TRUTH};
 use crate::report::grid::grid;
 
@@ -49,7 +49,7 @@ fn recoverable(
 }
 
 fn near(value: f64) -> Compare {
-    Compare::Near { value, share: 0.3, slack: 0.05 }
+    Compare::Near { from: Source::Specification, value, share: 0.3, slack: 0.05 }
 }
 
 /// The comparison.
@@ -80,7 +80,12 @@ pub fn baseline(settings: &Overrides) -> Result<Report, String> {
             points.push((speed, mean));
             // At 2 m/s the oracle's linear controller, whose vertical gains are its own, just survives.
             let compare = if speed > 1.9 && law == LawKind::Linear {
-                Compare::Explained { value, why: "vertical gains differ", ours: Band::LOST }
+                Compare::Explained {
+                    from: Source::Specification,
+                    value,
+                    why: "vertical gains differ",
+                    ours: Band::LOST,
+                }
             } else {
                 near(value)
             };
@@ -106,7 +111,7 @@ pub fn baseline(settings: &Overrides) -> Result<Report, String> {
             let compare = if value.is_nan() {
                 Compare::Alone
             } else {
-                Compare::Near { value, share: 0.0, slack: 2.0 * STEP }
+                Compare::Near { from: Source::Specification, value, share: 0.0, slack: 2.0 * STEP }
             };
             report.add(format!("recovers from, {name}, {limit_name}, deg"), tilt, compare);
             reached.push(tilt);

@@ -2,7 +2,7 @@
 
 use super::cases::{DISTURBANCES, add_error, mean, traces};
 use crate::bench::pendulum::{PendulumRow, PendulumScenario, PendulumTrace};
-use crate::experiment::{Compare, Overrides, Report};
+use crate::experiment::{Compare, Overrides, Report, Source};
 use crate::report::chart::{ESTIMATE, Line, Panel, Points, SETPOINT, THIRD, TRUTH};
 use crate::report::grid::{self, grid};
 use crate::report::space::{Curve, curves};
@@ -34,7 +34,7 @@ pub fn simulation(settings: &Overrides) -> Result<Report, String> {
         let s = PendulumScenario { disturbance, ..base.clone() };
         let runs = traces(settings, s, 6)?;
         let figures: Vec<_> = runs.iter().map(|trace| trace.summary.clone()).collect();
-        let near = Compare::Near { value, share: 0.25, slack: 0.01 };
+        let near = Compare::Near { from: Source::Specification, value, share: 0.25, slack: 0.01 };
         add_error(&mut report, name, &figures, near);
         report.add(
             format!("{name}: largest tilt of the rod, deg"),
@@ -50,7 +50,7 @@ pub fn simulation(settings: &Overrides) -> Result<Report, String> {
             format!("{name}: estimated speed of the load, m/s"),
             speed,
             // "close to the reference", without a figure.
-            Compare::Near { value: 0.5, share: 0.1, slack: 0.0 },
+            Compare::Near { from: Source::Paper, value: 0.5, share: 0.1, slack: 0.0 },
         );
         let thrust = late_mean(trace, settled, |row| row.thrust);
         report.add(format!("{name}: mean thrust, N"), thrust, Compare::Alone);
@@ -67,7 +67,7 @@ pub fn simulation(settings: &Overrides) -> Result<Report, String> {
     report.add(
         "start from a posterior turned over (as printed): largest tilt, deg",
         cold.summary.tilt_peak.to_degrees(),
-        Compare::Near { value: 147.0, share: 0.1, slack: 0.0 },
+        Compare::Near { from: Source::Specification, value: 147.0, share: 0.1, slack: 0.0 },
     );
     report.add(
         "start from a posterior turned over (as printed): mean error, cm",

@@ -2,11 +2,10 @@
 
 use super::cases::{DISTURBANCES, mean, summaries};
 use crate::bench::pendulum::{FilterSet, GainSet, PendulumScenario};
-use crate::experiment::{Compare, Overrides, Report};
+use crate::experiment::{Compare, Overrides, Report, Source};
 use crate::report::chart::{ESTIMATE, Line, Panel, Points, SETPOINT, THIRD, TRUTH};
 use crate::report::grid::{self, grid};
 use crate::scenario::DisturbanceKind;
-use plotters::prelude::SeriesLabelPosition;
 
 const SEEDS: u64 = 3;
 
@@ -16,7 +15,7 @@ struct Sweep<'a> {
 }
 
 fn near(value: f64) -> Compare {
-    Compare::Near { value, share: 0.25, slack: 0.05 }
+    Compare::Near { from: Source::Specification, value, share: 0.25, slack: 0.05 }
 }
 
 impl Sweep<'_> {
@@ -88,8 +87,7 @@ fn noise(t: &mut Sweep) -> Result<grid::Cell, String> {
         robust.push((milliradians, t.fly(format!("{name}, robust gains"), s, Compare::Alone)?));
     }
     Ok((
-        Panel::new("Over the noise of the measured direction", "mrad", "cm")
-            .legend(SeriesLabelPosition::UpperLeft),
+        Panel::new("Over the noise of the measured direction", "mrad", "cm"),
         vec![Line::new("printed gains", TRUTH, printed), Line::new("robust gains", THIRD, robust)],
     ))
 }
@@ -140,8 +138,7 @@ fn delays(t: &mut Sweep) -> Result<(grid::Cell, grid::Cell), String> {
             t.report.add(title, f64::from(flies), Compare::Claim(text, flies == expected));
         }
     }
-    let panel =
-        |title: &'static str| Panel::new(title, "ms", "cm").legend(SeriesLabelPosition::UpperLeft);
+    let panel = |title: &'static str| Panel::new(title, "ms", "cm");
     let lines = |[printed, robust]: [Points; 2]| {
         vec![Line::new("printed gains", TRUTH, printed), Line::new("robust gains", THIRD, robust)]
     };

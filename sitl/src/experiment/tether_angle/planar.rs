@@ -4,10 +4,9 @@ use crate::bench::tether_angle::{
     AnchorMotion, AngleRow, AngleScenario, AngleTrace, Setting, fly, sensitivity,
 };
 use crate::campaign::parallel;
-use crate::experiment::{Band, Compare, Overrides, Report};
+use crate::experiment::{Band, Compare, Overrides, Report, Source};
 use crate::report::chart::{ESTIMATE, Line, Panel, Points, SETPOINT, THIRD, TRUTH};
 use crate::report::grid::{self, grid};
-use plotters::prelude::SeriesLabelPosition;
 use plotters::style::RGBColor;
 
 fn runs(s: &AngleScenario, seeds: &[u64]) -> Result<Vec<AngleTrace>, String> {
@@ -42,7 +41,7 @@ fn angles(title: &'static str, trace: &AngleTrace) -> grid::Cell {
         Line::new(name, colour, series(trace, pick))
     };
     (
-        Panel::new(title, "time, s", "deg").legend(SeriesLabelPosition::UpperLeft),
+        Panel::new(title, "time, s", "deg"),
         vec![
             line("reference", SETPOINT, |r| r.reference).dashed(),
             line("tether", TRUTH, |r| r.truth.angle),
@@ -104,7 +103,7 @@ pub fn planar_loop(settings: &Overrides) -> Result<Report, String> {
         let near = |i: usize| {
             reference.map_or(Compare::Alone, |r| {
                 let value = r.get(i).copied().unwrap_or(0.0);
-                Compare::Near { value, share: 0.35, slack: 0.8 }
+                Compare::Near { from: Source::Specification, value, share: 0.35, slack: 0.8 }
             })
         };
         let lost = flown.iter().filter(|t| t.summary.is_lost).count();
@@ -170,8 +169,7 @@ fn minimal(trace: &AngleTrace, s: &AngleScenario, seed: u64) -> Result<grid::Cel
     }
     let [angle, tilt] = points;
     Ok((
-        Panel::new("Each reading alone (Fig. 9)", "time, s", "deg")
-            .legend(SeriesLabelPosition::UpperLeft),
+        Panel::new("Each reading alone (Fig. 9)", "time, s", "deg"),
         vec![
             Line::new("tether by one reading", ESTIMATE, angle),
             Line::new("tilt by one reading", THIRD, tilt),

@@ -1,10 +1,9 @@
 //! Closed-loop poles over the tether angle: Fig. 8.
 
 use crate::bench::tether_angle::{AngleScenario, linearise};
-use crate::experiment::{Compare, Overrides, Report};
+use crate::experiment::{Compare, Overrides, Report, Source};
 use crate::report::chart::{ESTIMATE, Line, Panel, SETPOINT, TRUTH};
 use crate::report::grid::grid;
-use plotters::prelude::SeriesLabelPosition;
 
 /// Real and imaginary parts, `inertial` section 6.
 type Pole = (f64, f64);
@@ -34,8 +33,7 @@ pub fn poles(settings: &Overrides) -> Result<Report, String> {
             lines.push(Line::new(name, colour, way.collect()));
         }
         cells.push((
-            Panel::new(format!("Tilt time {title}"), "tether angle, deg", "real part, 1/s")
-                .legend(SeriesLabelPosition::MiddleRight),
+            Panel::new(format!("Tilt time {title}"), "tether angle, deg", "real part, 1/s"),
             lines,
         ));
     }
@@ -53,7 +51,12 @@ pub fn add_poles(report: &mut Report, settings: &Overrides) -> Result<(), String
             let off = |p: &&nalgebra::Complex<f64>| (p.re - re).hypot(p.im - im);
             let Some(p) = found.iter().min_by(|a, b| off(a).total_cmp(&off(b))) else { continue };
             let at = format!("poles, {deg} deg, tilt time {tilt_time} s, at {re}");
-            let near = |value| Compare::Near { value, share: 0.0, slack: 0.0051 };
+            let near = |value| Compare::Near {
+                from: Source::Specification,
+                value,
+                share: 0.0,
+                slack: 0.0051,
+            };
             report.add(format!("{at}: real part, 1/s"), p.re, near(re));
             report.add(format!("{at}: imaginary part, 1/s"), p.im, near(im));
         }

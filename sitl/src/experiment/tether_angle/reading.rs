@@ -2,7 +2,7 @@
 
 use crate::bench::tether_angle::{Sensitivity, Setting, sensitivity};
 use crate::campaign::parallel;
-use crate::experiment::{Band, Compare, Overrides, Report};
+use crate::experiment::{Band, Compare, Overrides, Report, Source};
 use crate::report::chart::{ESTIMATE, Line, Panel, Points, SETPOINT, THIRD, TRUTH};
 use crate::report::grid::grid;
 
@@ -60,7 +60,7 @@ pub fn sensitivities(settings: &Overrides) -> Result<Report, String> {
             report.add(
                 format!("thrust {name} m/s², {deg} deg: bias of the tether angle, deg"),
                 bias,
-                Compare::Near { value, share: 0.03, slack: 0.06 },
+                Compare::Near { from: Source::Specification, value, share: 0.03, slack: 0.06 },
             );
         }
     }
@@ -75,7 +75,7 @@ pub fn sensitivities(settings: &Overrides) -> Result<Report, String> {
             report.add(
                 format!("centripetal, {length} m, {rate} rad/s, {deg} deg: bias, deg"),
                 bias,
-                Compare::Near { value, share: 0.03, slack: 0.06 },
+                Compare::Near { from: Source::Specification, value, share: 0.03, slack: 0.06 },
             );
         }
     }
@@ -104,12 +104,16 @@ pub fn monte_carlo(report: &mut Report, seed: u64) -> Result<(), String> {
     let found = draw_all(&settings, seed)?;
     for ((deg, valid, table), ours) in TABLE.iter().zip(found) {
         let compare = |value: f64, share: f64, slack: f64| {
-            if *deg >= SCORED_FROM { Compare::Near { value, share, slack } } else { Compare::Alone }
+            if *deg >= SCORED_FROM {
+                Compare::Near { from: Source::Specification, value, share, slack }
+            } else {
+                Compare::Alone
+            }
         };
         report.add(
             format!("one reading, {deg} deg: valid, 1"),
             ours.valid,
-            Compare::Near { value: *valid, share: 0.0, slack: 0.01 },
+            Compare::Near { from: Source::Specification, value: *valid, share: 0.0, slack: 0.01 },
         );
         let figures = [ours.angle[0], ours.angle[1], ours.tilt[0], ours.tilt[1]];
         let names = [

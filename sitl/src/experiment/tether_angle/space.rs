@@ -2,7 +2,7 @@
 
 use crate::bench::tether_angle::{AnchorMotion, AngleScenario, SpatialTrace, fly_spatial};
 use crate::campaign::parallel;
-use crate::experiment::{Band, Compare, Overrides, Report};
+use crate::experiment::{Band, Compare, Overrides, Report, Source};
 use crate::report::chart::{ESTIMATE, Line, Panel, TRUTH};
 use crate::report::grid::grid;
 
@@ -91,7 +91,8 @@ pub fn space(settings: &Overrides) -> Result<Report, String> {
         all.sort_by(f64::total_cmp);
         Ok(all.get(all.len() / 2).copied().unwrap_or(f64::NAN))
     };
-    let near = |value, slack| Compare::Near { value, share: 0.3, slack };
+    let near =
+        |value, slack| Compare::Near { from: Source::Specification, value, share: 0.3, slack };
     report.add(
         "moving anchor: estimate rms, deg",
         median(&moving, |t| SpatialTrace::worse(t.estimate))?,
