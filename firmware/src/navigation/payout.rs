@@ -1,6 +1,7 @@
 //! Line does not jump: what a winch's encoder shows from one reading to the next beyond what a drum can turn, or what
 //! inertia along the line contradicts, is the encoder's own, slipped, stuck or reset. It is kept from the filter, and if
-//! it stays, taken out for good. A line that hangs slack for a moment comes back by itself.
+//! it stays, taken out for good. A line that hangs slack for a moment comes back by itself. But a taut line that goes on
+//! running out takes the vehicle with it: then it is the filter that does not know where it is, and the length stands.
 
 use crate::estimate::Witness;
 use crate::scalar::Scalar;
@@ -19,6 +20,10 @@ const AGREES_TIME: f64 = 0.3;
 /// In doubt for longer, s, it is taken out, or believed if it is within this of the filter, m.
 const PATIENCE: f64 = 1.2;
 const BELIEVED: f64 = 0.2;
+/// Line taken out bit by bit, each within so many s of the one before, m: nothing but a vehicle that flies away
+/// pulls that much off a taut drum.
+const RUNAWAY_PAUSE: f64 = 4.0;
+const RUNAWAY: f64 = 1.5;
 /// What inertia and the altimeters are apart counts so often. A sensor that was silent is no witness for a
 /// while, until the attitude has settled, nor a filter that was off, s.
 const MARGIN: f64 = 2.0;
@@ -74,6 +79,9 @@ pub(super) struct PayoutState<S> {
     blind: S,
     /// What it is off by itself, m.
     margin: S,
+    /// Taken out lately, m, and for how long that still counts, s.
+    lately: S,
+    counts: S,
     doubt: Option<Doubt<S>>,
     /// How long it has shown the same, s, and the longest so far in this flight.
     same: S,
@@ -95,6 +103,8 @@ impl<S: Scalar> PayoutState<S> {
             outwards: None,
             blind: o,
             margin: o,
+            lately: o,
+            counts: o,
             doubt: None,
             same: o,
             longest: o,
@@ -113,6 +123,7 @@ impl<S: Scalar> PayoutState<S> {
         };
         self.blind = (self.blind - dt).max(at_least);
         self.margin = inertia.error.abs() * S::lit(MARGIN);
+        self.counts = (self.counts - dt).max(S::zero());
         match &outwards {
             Some(outwards) if self.blind <= S::zero() => {
                 self.witness.get_or_insert_default().predict(outwards.accel, dt);
@@ -193,14 +204,29 @@ impl<S: Scalar> PayoutState<S> {
         let agrees = off < S::lit(AGREES) + self.margin;
         doubt.agrees = if agrees { doubt.agrees + dt } else { S::zero() };
         let is_over = doubt.lasts > S::lit(PATIENCE);
-        if is_over && off > S::lit(BELIEVED) + self.margin {
-            self.offset = shown - outwards.distance;
-            self.jumps = self.jumps.saturating_add(1);
-        }
         if is_over || doubt.agrees > S::lit(AGREES_TIME) {
             self.doubt = None;
         }
+        if is_over && off > S::lit(BELIEVED) + self.margin {
+            self.take_out(shown - outwards.distance);
+        }
         self.stand();
+    }
+
+    /// The encoder shows so much that was never paid out, unless it has run on for too long for that.
+    fn take_out(&mut self, offset: S) {
+        let by = offset - self.offset;
+        let before = if self.counts > S::zero() { self.lately } else { S::zero() };
+        (self.lately, self.counts) = ((before + by).max(S::zero()), S::lit(RUNAWAY_PAUSE));
+        if before > S::lit(RUNAWAY) && by > S::zero() {
+            self.offset -= before;
+            self.lately = S::zero();
+            self.blind = S::lit(SILENT);
+            (self.witness, self.outwards) = (None, None);
+        } else {
+            self.offset = offset;
+            self.jumps = self.jumps.saturating_add(1);
+        }
     }
 
     /// The witness begins anew where the filter is.
@@ -279,6 +305,23 @@ mod tests {
         assert!(taken.iter().flatten().all(|length| (length - 7.0).abs() < 0.15), "{taken:?}");
         assert!(taken.iter().skip(150).all(Option::is_some), "believed again");
         assert!(state.jumps > 0);
+    }
+
+    #[test]
+    fn taut_line_that_goes_on_running_out_is_believed_over_a_filter_that_stands_still() {
+        let mut state = PayoutState::new();
+        fly(&mut state, 0.0, 5.0, |_| 7.0, at_rest);
+        let taken = fly(&mut state, 5.0, 8.0, |t| 7.0 + t, at_rest);
+        let last = taken.iter().rev().flatten().next().unwrap();
+        assert!((last - 15.0).abs() < 0.1, "{last}");
+        // Twice a little within a minute is the encoder's own.
+        let mut state = PayoutState::new();
+        fly(&mut state, 0.0, 5.0, |_| 7.0, at_rest);
+        let steps =
+            |t: f64| 7.0 + if t > 1.0 { 1.0 } else { 0.0 } + if t > 20.0 { 1.0 } else { 0.0 };
+        let taken = fly(&mut state, 5.0, 40.0, steps, at_rest);
+        assert!(taken.iter().flatten().all(|length| (length - 7.0).abs() < 0.15));
+        assert_eq!(state.jumps, 2);
     }
 
     #[test]
