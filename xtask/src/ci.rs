@@ -1,6 +1,8 @@
 //! Everything that must hold before a change lands.
 
-use crate::{Outcome, book, cost, images, install, params, python, root, run, run_with, view};
+use crate::{
+    Outcome, book, cost, figures, images, install, params, python, root, run, run_with, view,
+};
 use std::process::Command;
 
 const BOARD: &str = "thumbv7em-none-eabihf";
@@ -36,6 +38,7 @@ pub fn everything() -> Outcome {
     view::test()?;
     python::check()?;
     campaigns()?;
+    figures::check(false)?;
     experiments()?;
     run("cargo", &["test", "--locked", "--doc"])?;
     let tested = [

@@ -2,7 +2,7 @@
 //!
 //! Three kinds of reference are followed: a citation such as "`planar` section 7.4" to a heading with that number in
 //! `docs/theory/`, a relative link of a Markdown document to a file and a heading in it, and the key of a paper in
-//! brackets to its heading in `docs/papers.md`. And the README's figures want a source at all: `claims.rs`.
+//! brackets to its heading in `docs/papers.md`. And figures want a source at all: `claims.rs`.
 
 use crate::{Outcome, claims, root};
 use std::collections::{BTreeMap, BTreeSet};
@@ -99,6 +99,12 @@ fn judge(sources: &[Source], paths: &BTreeSet<String>) -> (usize, Vec<String>) {
         if source.path == FRONT[0] {
             for (line, words) in claims::unsourced(&source.text) {
                 say(line, Some(format!("figures without a command or a link: {words}")));
+            }
+        }
+        // The theory's tables are the specification itself.
+        if is_document && !source.path.starts_with(THEORY) {
+            for (line, heading) in claims::unsourced_sections(&source.text) {
+                say(line, Some(format!("figures without a source under \"{heading}\"")));
             }
         }
         if is_document || FRONT.contains(&source.path.as_str()) {

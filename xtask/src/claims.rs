@@ -1,9 +1,62 @@
-//! Does every figure of the README say how it was had?
+//! Does every figure say how it was had?
 //!
-//! In its section "Figures" each row of a table and each paragraph with a number wants a command, a link or, in a row,
-//! "the same" as above. What `cargo xtask figures` writes between its marks has its commands there.
+//! In the README's section "Figures" each row of a table and each paragraph with a number wants a command, a link or, in a
+//! row, "the same" as above. What `cargo xtask figures` writes between its marks has its commands there. In a document each
+//! section with a number and a unit wants a command, a link, or the file, parameter or listing that it speaks of.
 
 const SECTION: &str = "## Figures";
+/// What makes a number a figure.
+const UNITS: [&str; 18] = [
+    "m",
+    "m/s",
+    "m/s²",
+    "cm",
+    "N",
+    "V",
+    "g",
+    "kg",
+    "s",
+    "ms",
+    "°",
+    "%",
+    "Hz",
+    "kHz",
+    "kB",
+    "KiB",
+    "MB",
+    "instructions",
+];
+
+/// Line and heading of a document's sections that have figures and no source.
+pub fn unsourced_sections(text: &str) -> Vec<(usize, String)> {
+    let mut sections: Vec<(usize, String, String)> = vec![(1, String::new(), String::new())];
+    let mut is_listing = false;
+    for (number, line) in (1..).zip(text.lines()) {
+        is_listing ^= line.starts_with("```");
+        if line.starts_with('#') && !is_listing {
+            sections.push((number, line.to_owned(), String::new()));
+        } else if let Some((_, _, words)) = sections.last_mut() {
+            words.push_str(line);
+            words.push('\n');
+        }
+    }
+    let is_bare = |(_, _, words): &&(usize, String, String)| {
+        has_figure(words)
+            && !["`", "](", "<!-- figures:"].iter().any(|source| words.contains(source))
+    };
+    let found = sections.iter().filter(is_bare);
+    found.map(|(line, heading, _)| (*line, heading.clone())).collect()
+}
+
+/// A number with a unit behind it.
+fn has_figure(words: &str) -> bool {
+    let is_number = |word: &str| word.starts_with(|c: char| c.is_ascii_digit());
+    let words: Vec<&str> = words.split_whitespace().collect();
+    let pairs = words.iter().zip(words.iter().skip(1));
+    let is_unit = |word: &str| UNITS.contains(&word.trim_end_matches(['.', ',', ';', ':', ')']));
+    words.iter().any(|word| is_number(word) && word.contains('°'))
+        || pairs.into_iter().any(|(number, unit)| is_number(number) && is_unit(unit))
+}
 
 /// Line and words of what has a number and no source.
 pub fn unsourced(text: &str) -> Vec<(usize, String)> {
@@ -57,6 +110,12 @@ mod tests {
         let page = "9 m elsewhere\n\n## Figures\n\nWords.\n\nThe hold is\n0.2 m.\n\n| | how |\n|---|---|\n| 3 m | somehow |\n\n## More\n\n5 m\n";
         let lines: Vec<usize> = unsourced(page).into_iter().map(|(line, _)| line).collect();
         assert_eq!(lines, [7, 12]);
+    }
+
+    #[test]
+    fn a_section_with_figures_wants_a_source_and_one_without_does_not() {
+        let page = "# A\n\nTwo of 3 rotors.\n\n## B\n\nIt holds to 0.2 m.\n\n## C\n\n5 N by `TET_TENSION`.\n\n```\n# no heading\n```\n";
+        assert_eq!(unsourced_sections(page), [(5, "## B".to_owned())]);
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! The flight images: building, sizes, flashing, flights under emulation.
 
+use crate::figures::Figures;
 use crate::reach::Code;
 use crate::{Outcome, install, root, run, run_with};
 use object::{Object, ObjectSection, SectionFlags};
@@ -222,6 +223,19 @@ pub fn size(json: bool) -> Outcome {
         println!("[{}]", rows.join(","));
     }
     if passed.is_empty() { Ok(()) } else { Err(format!("over the limit: {}", passed.join(", "))) }
+}
+
+/// Sizes, for tables of figures: `IMAGE flash_kib` and `… ram_kib`.
+pub fn figures() -> Result<Figures, String> {
+    let mut figures = Figures::new();
+    for image in &IMAGES {
+        image.build()?;
+        let Size { flash, ram } = image.size()?;
+        for (what, bytes) in [("flash", flash), ("ram", ram)] {
+            figures.insert(format!("{} {what}_kib", image.name), bytes as f64 / KIB as f64);
+        }
+    }
+    Ok(figures)
 }
 
 /// Flash and static RAM of the reference board's image with each technique of the core alone, and with all.

@@ -38,7 +38,9 @@ const USAGE: &str = "usage: cargo xtask TASK
                  processor time; --mujoco installs MuJoCo from PyPI to compare with its chain
   faults         fly 20 seeds (--seeds N) of each fault in each phase of a flight, write docs/faults.md; --json
                  prints the figures instead
-  figures        measure the README's figures by campaigns and experiments and write them; --check only compares
+  figures        measure the figures of README and docs/, write docs/figures.json and the tables that say them, in a
+                 quarter of an hour; --only COMMAND measures what that command does, as `sitl experiment fixed-point`;
+                 --fill measures nothing; --check compares tables, file and a few figures, with --full all of them
   view           bundle the page of `cargo sitl --view` with Node.js, and target/view/ with the simulator inside as
                  WebAssembly; --check only compares the page; --test flies both in Debian's chromium
   python         build the Python package into an environment under target/, run its types, tests and notebook
@@ -70,8 +72,11 @@ fn main() -> ExitCode {
         ["speed"] => speed::print(false),
         ["speed", "--mujoco"] => speed::print(true),
         ["faults", more @ ..] => ci::faults(more),
-        ["figures"] => figures::write(),
-        ["figures", "--check"] => figures::check(),
+        ["figures"] => figures::write(None),
+        ["figures", "--fill"] => figures::fill_again(),
+        ["figures", "--only", command] => figures::write(Some(command)),
+        ["figures", "--check"] => figures::check(false),
+        ["figures", "--check", "--full"] => figures::check(true),
         ["view"] => view::build(),
         ["view", "--check"] => view::check(),
         ["view", "--test"] => view::test(),

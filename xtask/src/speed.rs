@@ -1,5 +1,6 @@
 //! What simulated time costs: instructions per simulated millisecond, simulated seconds per second of processor time.
 
+use crate::figures::Figures;
 use crate::{Outcome, install, root, run};
 use std::process::Command;
 
@@ -71,6 +72,24 @@ fn count(way: &Way, seconds: u32) -> Result<u64, String> {
         .ok_or_else(|| format!("{}: valgrind did not count: {text}", way.name))
 }
 
+/// Instructions per simulated millisecond.
+fn each(way: &Way) -> Result<u64, String> {
+    let [short, long] = LENGTHS;
+    let counted = count(way, long)?.saturating_sub(count(way, short)?);
+    Ok(counted / u64::from((long - short) * 1000))
+}
+
+fn prepare() -> Outcome {
+    install::debian("valgrind", "valgrind")?;
+    run("cargo", &["build", "--release", "--locked", "-p", "tautline-sitl"])
+}
+
+/// Instructions per simulated millisecond by the ways' names, for tables of figures.
+pub fn figures() -> Result<Figures, String> {
+    prepare()?;
+    WAYS.iter().map(|way| Ok((way.name.to_owned(), each(way)? as f64))).collect()
+}
+
 /// What a program prints.
 fn said(program: &str, arguments: &[&str]) -> Option<String> {
     let out = Command::new(program).args(arguments).current_dir(root()).output().ok()?;
@@ -79,8 +98,7 @@ fn said(program: &str, arguments: &[&str]) -> Option<String> {
 
 /// Counts, measures and prints; with `mujoco` installs that to compare with.
 pub fn print(mujoco: bool) -> Outcome {
-    install::debian("valgrind", "valgrind")?;
-    run("cargo", &["build", "--release", "--locked", "-p", "tautline-sitl"])?;
+    prepare()?;
     if mujoco {
         install::python_clients()?;
         run(PYTHON, &["-m", "pip", "install", "--quiet", "mujoco"])?;
@@ -88,9 +106,7 @@ pub fn print(mujoco: bool) -> Outcome {
     let mut dear = Vec::new();
     println!("{:<32} {:>15} {:>8}", "", "instructions/ms", "limit");
     for way in &WAYS {
-        let [short, long] = LENGTHS;
-        let counted = count(way, long)?.saturating_sub(count(way, short)?);
-        let each = counted / u64::from((long - short) * 1000);
+        let each = each(way)?;
         println!("{:<32} {each:>15} {:>8}", way.name, way.limit);
         if each > way.limit {
             dear.push(way.name);

@@ -98,6 +98,9 @@ pub fn run(settings: &Overrides) -> Result<Report, String> {
             let name = row.name;
             report.add(format!("{name}: {figure}, single"), single, Compare::Alone);
             report.add(format!("{name}: {figure}, fixed"), fixed, Compare::AtMost(RATIO * single));
+            let (what, _) = figure.rsplit_once(", ").unwrap_or((figure, ""));
+            let ratio = format!("{name}: {what}, fixed to single, 1");
+            report.add(ratio, fixed / single, Compare::Alone);
         }
     }
     let saturated = f64::from(saturation::count().wrapping_sub(saturated));

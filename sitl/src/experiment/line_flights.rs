@@ -128,8 +128,7 @@ pub fn run(settings: &Overrides) -> Result<Report, String> {
         }
     }
     report.notes.push(format!(
-        "Root mean square over {} seeds, horizontal, truth against estimate and against the place held. The estimator is \
-         the four-state filter, which takes wind and an error of the thrust for a pull of the line.",
+        "Root mean square over {} seeds, horizontal, truth against estimate and against the place held.",
         seeds.len()
     ));
     Ok(report)

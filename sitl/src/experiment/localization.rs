@@ -290,6 +290,12 @@ fn add_sweep(report: &mut Report, what: &str, unit: &str, s: &Sweep) {
     }
 }
 
+/// Table 2 as the sweep counts: tension, N, and the 4-state filter's horizontal rms per axis, m.
+fn printed() -> Points {
+    let level = |[_, _, _, n, e, ..]: [f64; 7]| (n * n + e * e).sqrt() / 2.0_f64.sqrt();
+    TABLE.iter().map(|&(tension, row)| (tension, level(row))).collect()
+}
+
 /// Figs. 12 to 14.
 pub fn sweeps(settings: &Overrides) -> Result<Report, String> {
     let mut report = Report::default();
@@ -346,10 +352,12 @@ pub fn sweeps(settings: &Overrides) -> Result<Report, String> {
         largest,
         Compare::Claim("below 0.3 m", largest < 0.3),
     );
+    let (panel, mut lines) = cell("Cable tension (Fig. 14)", "N", &tension);
+    lines.push(Line::new("4-state, printed (Table 2)", ESTIMATE, printed()).dots());
     let cells = vec![
         cell("Altitude, 4 N (Fig. 12)", "m", &altitude),
         cell("Velocity, 4 N (Fig. 13)", "m/s", &velocity),
-        cell("Cable tension (Fig. 14)", "N", &tension),
+        (panel, lines),
     ];
     report.picture("sweeps.svg", move |path| grid(path, 2, &cells));
     Ok(report)
