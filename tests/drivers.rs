@@ -11,4 +11,5 @@
 mod devices {
     mod flying;
     mod line;
+    mod radio;
 }

@@ -5,6 +5,8 @@
 //! | [`imu::icm42688`] | TDK ICM-42688-P | SPI |
 //! | [`barometer::dps310`] | Infineon DPS310, Goertek SPL06 | I2C |
 //! | [`rangefinder::tfmini`] | Benewake TFmini-S / Plus | UART (embedded-io) |
+//! | [`radio::crsf`] | receivers that speak CRSF: ExpressLRS, Crossfire | UART (embedded-io), both ways |
+//! | [`radio::sbus`] | receivers that speak SBUS | UART (embedded-io) |
 //! | [`encoder::as5600`] | ams AS5600, AS5600L | I2C |
 //! | [`load_cell::nau7802`] | Nuvoton NAU7802 | I2C |
 //! | [`magnetometer::ist8310`] | iSentek IST8310 | I2C |
@@ -28,5 +30,6 @@ pub mod load_cell;
 pub mod magnetometer;
 pub mod motors;
 pub mod parameters;
+pub mod radio;
 pub mod rangefinder;
 mod registers;

@@ -11,6 +11,7 @@ mod flash;
 mod icm42688;
 mod ist8310;
 mod nau7802;
+mod radio;
 mod registers;
 mod tfmini;
 
@@ -22,6 +23,7 @@ pub use flash::{FakeFlash, FlashError};
 pub use icm42688::FakeIcm42688;
 pub use ist8310::FakeIst8310;
 pub use nau7802::FakeNau7802;
+pub use radio::{BusFault, FakeReceiver, Protocol};
 pub use tfmini::FakeTfMini;
 
 use std::sync::Arc;
