@@ -123,8 +123,8 @@ fn px4s_names_write_through_wherever_they_stand_and_ours_wins() {
     let (params, _) = text("FS_LINK_T,12.5\nCOM_DL_LOSS_T,13\n").unwrap();
     assert_eq!(params.link_loss_time, 12.5);
     // What nobody can write is told where it would change something.
-    let (_, told) = text("RC_MAP_ROLL,1\nCAL_MAG0_ID,0\n").unwrap();
-    assert_eq!(told, ["f: 1 not to be set here, passed over: RC_MAP_ROLL"]);
+    let (_, told) = text("RC_MAP_FLAPS,1\nCAL_MAG0_ID,0\n").unwrap();
+    assert_eq!(told, ["f: 1 not to be set here, passed over: RC_MAP_FLAPS"]);
     assert!(
         refused(b"\nCOM_DL_LOSS_T,1e6\n").starts_with("f:2: COM_DL_LOSS_T = 1000000: FS_LINK_T")
     );

@@ -113,7 +113,7 @@ impl Stale {
             Group::Pendulum => Self::of(&[P::Pendulum]),
             Group::TakeoffLanding => Self::of(&[P::Planner]),
             Group::Failsafes => Self::of(&[P::Sense, P::Navigation, P::Supervisor]),
-            Group::GroundStation => Self(0),
+            Group::Radio | Group::GroundStation => Self(0),
         }
     }
 

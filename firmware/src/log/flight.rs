@@ -164,6 +164,7 @@ flight_topics! {
     VehicleStatus
     VehicleLandDetected
     FailsafeFlags
+    InputRc
 }
 
 fn parameter(ulog: &mut Ulog, name: &str, kind: Kind, value: f32, sink: Sink) {

@@ -8,6 +8,7 @@
 
 mod estimators;
 mod flight;
+mod radio;
 mod raw;
 mod status;
 pub mod topics;

@@ -90,7 +90,7 @@ record! {
         local_altitude_invalid: bool,
         /// The estimate contradicts its measurements, or what it stands on is missing.
         local_position_invalid: bool,
-        /// The joystick is silent in a mode that flies by it.
+        /// Radio and joystick are silent, in a mode that flies by them or where that is a failure.
         manual_control_signal_lost: bool,
         /// The ground station is silent.
         gcs_connection_lost: bool,
@@ -132,7 +132,7 @@ record! {
                 F::TetherLengthLost,
                 F::CaptureLost,
             ]),
-            manual_control_signal_lost: any(&[F::SticksLost]),
+            manual_control_signal_lost: any(&[F::SticksLost, F::RadioLost]),
             gcs_connection_lost: any(&[F::LinkLost]),
             battery_warning: if any(&[F::BatteryCritical]) { 2 } else { battery },
             fd_critical_failure: any(&[F::Capsized]),

@@ -4,6 +4,7 @@ pub use super::estimators::{
     EstimatorEkf4, EstimatorPendulum, EstimatorPosition, EstimatorTaut, EstimatorTetherAngle,
 };
 use super::flight::{FAST, MEDIUM, RARE, SLOW, Scale};
+pub use super::radio::InputRc;
 pub use super::raw::{
     ActuatorOutputs, DistanceSensor, ManualControlSetpoint, SensorBaro, StepInputs, VehicleAirData,
     VehicleAngularAcceleration,

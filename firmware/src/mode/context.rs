@@ -27,8 +27,6 @@ const DITHER_RESERVE: f64 = 0.9;
 /// Height over the ground below which the tension does not move, m, and over which it grows to its full amplitude.
 const DITHER_GROUND: f64 = 0.3;
 const DITHER_FADE: f64 = 0.5;
-/// A joystick that was silent this long is not there.
-pub(crate) const STICKS_TIMEOUT_US: u64 = 1_000_000;
 
 /// What the vehicle keeps up to date for the modes.
 #[derive(Clone, Debug)]
@@ -100,7 +98,8 @@ impl<S: Scalar> Context<'_, S> {
 
     /// Sticks that somebody holds.
     pub fn fresh_sticks(&self) -> Option<Sticks> {
-        let fresh = |s: &Sample<Sticks>| self.now.since(s.at) < STICKS_TIMEOUT_US;
+        let timeout = self.params.stick_timeout_us();
+        let fresh = |s: &Sample<Sticks>| self.now.since(s.at) < timeout;
         self.situation.sticks.filter(fresh).map(|s| s.value)
     }
 

@@ -32,7 +32,7 @@ impl<S: Scalar> FlightMode<S> for Position {
         cx: &Context<'_, S>,
     ) -> Result<Self, Refusal> {
         if cx.fresh_sticks().is_none() {
-            return Err(rejected("Mode refused: no joystick"));
+            return Err(rejected("Mode refused: no sticks"));
         }
         if cx.is_in_air() {
             plan::stay(handover, cx);

@@ -64,10 +64,6 @@ pub const ALIASES: &[Alias] = &[
     whole("CAL_MAG1_ROT", -1.0),
     whole("CAL_MAG2_ROT", -1.0),
     whole("CAL_MAG_SIDES", 63.0),
-    whole("RC_MAP_ROLL", 0.0),
-    whole("RC_MAP_PITCH", 0.0),
-    whole("RC_MAP_YAW", 0.0),
-    whole("RC_MAP_THROTTLE", 0.0),
     whole("RC_MAP_FLAPS", 0.0),
     whole("RC_MAP_AUX1", 0.0),
     whole("RC_MAP_AUX2", 0.0),
@@ -76,9 +72,6 @@ pub const ALIASES: &[Alias] = &[
     real("RTL_RETURN_ALT", 0.0),
     real("RTL_DESCEND_ALT", 0.0),
     real("RTL_LAND_DELAY", 0.0),
-    // Land in place, one second and a half after the last word of a joystick.
-    whole("NAV_RCL_ACT", 3.0),
-    real("COM_RC_LOSS_T", 1.5),
     // Hold, return and land, land in place: the same numbers.
     as_whole("NAV_DLL_ACT", "FS_LINK_ACT"),
     as_whole("COM_DL_LOSS_T", "FS_LINK_T"),

@@ -8,6 +8,7 @@
 mod alias;
 mod combination;
 mod fence;
+mod radio;
 mod tree;
 
 pub use alias::{ALIASES, Alias};
@@ -81,9 +82,11 @@ impl Group {
     #[must_use]
     pub const fn lock(self) -> Lock {
         match self {
-            Self::Vehicle | Self::Motors | Self::AttitudeRateControl | Self::GroundStation => {
-                Lock::Armed
-            }
+            Self::Vehicle
+            | Self::Motors
+            | Self::AttitudeRateControl
+            | Self::Radio
+            | Self::GroundStation => Lock::Armed,
             Self::Sensors | Self::Tether | Self::Estimator => Lock::InAir,
             _ => Lock::Never,
         }

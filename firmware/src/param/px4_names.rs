@@ -4,7 +4,7 @@ use super::{ALIASES, DOCS, Kind, META};
 use Kind::{Int, Real};
 
 /// Names of ours that PX4 has, with its kind and unit; of all [`META`], those that begin as PX4's modules do.
-const SHARED: [(&str, Kind, &str); 48] = [
+const SHARED: [(&str, Kind, &str); 69] = [
     ("THR_MDL_FAC", Real, ""),
     ("SENS_BOARD_ROT", Int, ""),
     ("IMU_ACCEL_CUTOFF", Real, "Hz"),
@@ -43,6 +43,23 @@ const SHARED: [(&str, Kind, &str); 48] = [
     ("COM_FLTMODE4", Int, ""),
     ("COM_FLTMODE5", Int, ""),
     ("COM_FLTMODE6", Int, ""),
+    ("RC_MAP_ROLL", Int, ""),
+    ("RC_MAP_PITCH", Int, ""),
+    ("RC_MAP_THROTTLE", Int, ""),
+    ("RC_MAP_YAW", Int, ""),
+    ("RC_MAP_FLTMODE", Int, ""),
+    ("RC_MAP_ARM_SW", Int, ""),
+    ("RC_MAP_KILL_SW", Int, ""),
+    ("RC1_REV", Real, ""),
+    ("RC2_REV", Real, ""),
+    ("RC3_REV", Real, ""),
+    ("RC4_REV", Real, ""),
+    ("RC5_REV", Real, ""),
+    ("RC6_REV", Real, ""),
+    ("RC7_REV", Real, ""),
+    ("RC8_REV", Real, ""),
+    ("COM_RC_LOSS_T", Real, "s"),
+    ("NAV_RCL_ACT", Int, ""),
     // Ours, with a beginning of PX4's; it has no such name.
     ("CAL_ACC_XOFF", Real, "m/s^2"),
     ("CAL_ACC_YOFF", Real, "m/s^2"),
@@ -52,12 +69,16 @@ const SHARED: [(&str, Kind, &str); 48] = [
     ("CAL_ACC_ZSCALE", Real, ""),
     ("IMU_NF_FREQ", Real, "Hz"),
     ("IMU_NF_BW", Real, "Hz"),
+    ("RC_MIN", Real, "us"),
+    ("RC_TRIM", Real, "us"),
+    ("RC_MAX", Real, "us"),
+    ("RC_DZ", Real, "us"),
     ("BAT_LOW_V", Real, "V"),
     ("BAT_CRIT_V", Real, "V"),
 ];
 /// How names of PX4's modules begin that occur here.
 const PREFIXES: [&str; 13] = [
-    "THR_", "SENS_", "IMU_", "CAL_", "BAT", "ATT_", "MIS_", "COM_", "GF_", "SYS_", "RC_", "NAV_",
+    "THR_", "SENS_", "IMU_", "CAL_", "BAT", "ATT_", "MIS_", "COM_", "GF_", "SYS_", "RC", "NAV_",
     "RTL_",
 ];
 

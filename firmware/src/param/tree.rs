@@ -367,6 +367,10 @@ params! {
         link_loss_time: "FS_LINK_T" Real ["s"] = 5.0 in 0.5 ..= 600.0;
         /// On link loss: 1 = hold, 2 = land, 3 = flat-attitude descent.
         link_loss_action: "FS_LINK_ACT" Int [""] = 2.0 in 1.0 ..= 3.0;
+        /// Silence of the sticks, radio's or joystick's, after which they are not there.
+        stick_loss_time: "COM_RC_LOSS_T" Real ["s"] = 1.0 in 0.2 ..= 35.0;
+        /// No sticks any more where a radio had them: 0 = what each mode does itself, 1 = hold, 2 = return and land, 3 = land in place, 5 or 6 = motors off.
+        radio_loss_action: "NAV_RCL_ACT" Int [""] = 0.0 in 0.0 ..= 6.0;
         /// Beyond the fence: 0 = nothing, 1 = warn, 2 = hold, 3 = return and land, 4 = motors off, 5 = land in place.
         fence_action: "GF_ACTION" Int [""] = 0.0 in 0.0 ..= 5.0;
         /// Radius of the fence around the anchor; 0 = none.
@@ -391,6 +395,60 @@ params! {
         /// Cell voltage at which it descends at once where it is.
         battery_critical: "BAT_CRIT_V" Real ["V"] = 3.3 in 2.5 ..= 4.2;
     }
+    Radio "Radio control" {
+        /// Whose sticks fly: 0 = the radio's, 1 = a joystick's over MAVLink, 2 = the radio's, and a joystick's while no pilot is heard.
+        rc_mode: "COM_RC_IN_MODE" Int [""] = 2.0 in 0.0 ..= 2.0;
+        /// Channel of the roll stick; 0 = none, and then no stick of the radio counts.
+        radio_roll: "RC_MAP_ROLL" Int [""] = 1.0 in 0.0 ..= 16.0;
+        /// Channel of the pitch stick.
+        radio_pitch: "RC_MAP_PITCH" Int [""] = 2.0 in 0.0 ..= 16.0;
+        /// Channel of the throttle stick.
+        radio_throttle: "RC_MAP_THROTTLE" Int [""] = 3.0 in 0.0 ..= 16.0;
+        /// Channel of the yaw stick.
+        radio_yaw: "RC_MAP_YAW" Int [""] = 4.0 in 0.0 ..= 16.0;
+        /// Channel of the mode switch; 0 = none.
+        radio_mode_switch: "RC_MAP_FLTMODE" Int [""] = 0.0 in 0.0 ..= 16.0;
+        /// Channel of the arm switch: on in the last quarter of its way; 0 = none.
+        radio_arm_switch: "RC_MAP_ARM_SW" Int [""] = 0.0 in 0.0 ..= 16.0;
+        /// Channel of the kill switch: motors off at once, also in the air; 0 = none.
+        radio_kill_switch: "RC_MAP_KILL_SW" Int [""] = 0.0 in 0.0 ..= 16.0;
+        /// Lowest pulse of every channel.
+        radio_min: "RC_MIN" Real ["us"] = 1000.0 in 800.0 ..= 1200.0;
+        /// Pulse of every stick in its middle.
+        radio_trim: "RC_TRIM" Real ["us"] = 1500.0 in 1400.0 ..= 1600.0;
+        /// Highest pulse of every channel.
+        radio_max: "RC_MAX" Real ["us"] = 2000.0 in 1800.0 ..= 2200.0;
+        /// Half of the band about the middle in which a stick counts as still.
+        radio_dead_band: "RC_DZ" Real ["us"] = 10.0 in 0.0 ..= 100.0;
+        /// Below 0: channel 1 is turned round.
+        radio_1_sign: "RC1_REV" Real [""] = 1.0 in -1.0 ..= 1.0;
+        /// Below 0: channel 2 is turned round.
+        radio_2_sign: "RC2_REV" Real [""] = 1.0 in -1.0 ..= 1.0;
+        /// Below 0: channel 3 is turned round.
+        radio_3_sign: "RC3_REV" Real [""] = 1.0 in -1.0 ..= 1.0;
+        /// Below 0: channel 4 is turned round.
+        radio_4_sign: "RC4_REV" Real [""] = 1.0 in -1.0 ..= 1.0;
+        /// Below 0: channel 5 is turned round.
+        radio_5_sign: "RC5_REV" Real [""] = 1.0 in -1.0 ..= 1.0;
+        /// Below 0: channel 6 is turned round.
+        radio_6_sign: "RC6_REV" Real [""] = 1.0 in -1.0 ..= 1.0;
+        /// Below 0: channel 7 is turned round.
+        radio_7_sign: "RC7_REV" Real [""] = 1.0 in -1.0 ..= 1.0;
+        /// Below 0: channel 8 is turned round.
+        radio_8_sign: "RC8_REV" Real [""] = 1.0 in -1.0 ..= 1.0;
+        /// Mode in position 1 of the mode switch, as PX4 counts: -1 = none, 1 Altitude, 2 Position, 4 Tether Hold, 5 Return, 7 Offboard, 8 Stabilize, 10 Takeoff, 11 Land, 100 Descent, 101 to 104 Taut Force, Taut Attitude, Tether Angle, Pendulum.
+        flight_mode_1: "COM_FLTMODE1" Int [""] = -1.0 in -1.0 ..= 104.0;
+        /// Mode in position 2.
+        flight_mode_2: "COM_FLTMODE2" Int [""] = -1.0 in -1.0 ..= 104.0;
+        /// Mode in position 3.
+        flight_mode_3: "COM_FLTMODE3" Int [""] = -1.0 in -1.0 ..= 104.0;
+        /// Mode in position 4.
+        flight_mode_4: "COM_FLTMODE4" Int [""] = -1.0 in -1.0 ..= 104.0;
+        /// Mode in position 5.
+        flight_mode_5: "COM_FLTMODE5" Int [""] = -1.0 in -1.0 ..= 104.0;
+        /// Mode in position 6.
+        flight_mode_6: "COM_FLTMODE6" Int [""] = -1.0 in -1.0 ..= 104.0;
+    }
     GroundStation "Ground station" {
         /// MAVLink system id.
         system_id: "MAV_SYS_ID" Int [""] = 1.0 in 1.0 ..= 255.0;
@@ -408,20 +466,6 @@ params! {
         gyro_id: "CAL_GYRO0_ID" Int [""] = 42688.0 in 1.0 ..= 16777215.0;
         /// Identity of the calibrated accelerometer.
         accel_id: "CAL_ACC0_ID" Int [""] = 42688.0 in 1.0 ..= 16777215.0;
-        /// Stick input: 1 = joystick over MAVLink only.
-        rc_mode: "COM_RC_IN_MODE" Int [""] = 1.0 in 1.0 ..= 1.0;
-        /// Mode switch position 1; ground stations ask for it, and there is no mode switch.
-        flight_mode_1: "COM_FLTMODE1" Int [""] = -1.0 in -1.0 ..= -1.0;
-        /// Mode switch position 2; ground stations ask for it, and there is no mode switch.
-        flight_mode_2: "COM_FLTMODE2" Int [""] = -1.0 in -1.0 ..= -1.0;
-        /// Mode switch position 3; ground stations ask for it, and there is no mode switch.
-        flight_mode_3: "COM_FLTMODE3" Int [""] = -1.0 in -1.0 ..= -1.0;
-        /// Mode switch position 4; ground stations ask for it, and there is no mode switch.
-        flight_mode_4: "COM_FLTMODE4" Int [""] = -1.0 in -1.0 ..= -1.0;
-        /// Mode switch position 5; ground stations ask for it, and there is no mode switch.
-        flight_mode_5: "COM_FLTMODE5" Int [""] = -1.0 in -1.0 ..= -1.0;
-        /// Mode switch position 6; ground stations ask for it, and there is no mode switch.
-        flight_mode_6: "COM_FLTMODE6" Int [""] = -1.0 in -1.0 ..= -1.0;
         /// Latitude of the anchor, for the synthetic global position.
         home_latitude: "HOME_LAT" Real ["deg"] = 47.397742 in -90.0 ..= 90.0;
         /// Longitude of the anchor.

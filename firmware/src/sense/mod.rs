@@ -8,8 +8,10 @@ mod calibrate;
 mod check;
 mod line;
 mod mount;
+mod radio;
 
 pub use mount::Mounting;
+pub use radio::{MODE_SLOTS, Pilot, Switches};
 
 use crate::frames::{Body, V3, World};
 use crate::math::filter::{Biquad, Biquad3State};
@@ -17,7 +19,7 @@ use crate::param::Params;
 use crate::scalar::Scalar;
 use crate::signal::{
     Capture, Imu, ImuHealth, RawBarometer, RawBattery, RawCapture, RawImu, RawLineSensors,
-    RawRange, RawTether, Sensors, take,
+    RawRadio, RawRange, RawTether, Sensors, take,
 };
 use crate::time::{INNER_DT, Micros, Sample};
 pub use altimeter::Motion;
@@ -61,12 +63,15 @@ pub struct RawSensors {
     pub velocity: Option<Sample<[f32; 3]>>,
     /// Motion capture of a rod on top: vehicle → load, NED, any length.
     pub rod: Option<Sample<[f32; 3]>>,
+    /// A pilot's radio.
+    pub radio: Option<Sample<RawRadio>>,
 }
 
 impl RawSensors {
     /// Takes what is newer. Every field by name: one that is forgotten here does not compile.
     pub fn merge(&mut self, newer: Self) {
-        let Self { imu, barometer, range, battery, tether, line, capture, velocity, rod } = newer;
+        let Self { imu, barometer, range, battery, tether, line, capture, velocity, rod, radio } =
+            newer;
         if !line.is_empty() {
             self.line.merge(line);
         }
@@ -78,6 +83,7 @@ impl RawSensors {
         take(&mut self.capture, capture);
         take(&mut self.velocity, velocity);
         take(&mut self.rod, rod);
+        take(&mut self.radio, radio);
     }
 }
 

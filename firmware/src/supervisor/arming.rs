@@ -30,10 +30,12 @@ pub struct ArmingFacts {
     pub cell: Option<f32>,
     /// Volts per cell below which no flight starts.
     pub cell_low: f32,
-    /// A ground station speaks.
+    /// A ground station speaks, or a pilot's radio.
     pub link_is_up: bool,
-    /// The mode flies by sticks, and their throttle is not at the bottom (or they are missing).
+    /// The mode flies by sticks, or a pilot's switch asks, and their throttle is not at the bottom (or they are missing).
     pub throttle_is_open: bool,
+    /// The kill switch of the radio is on.
+    pub is_killed: bool,
     /// Weight and tension over the largest thrust.
     pub hover_share: f32,
 }
@@ -57,7 +59,7 @@ pub struct ArmingCheck {
 }
 
 /// All checks, in the order in which they are reported. A table: rows look alike.
-pub const ARMING_CHECKS: [ArmingCheck; 18] = [
+pub const ARMING_CHECKS: [ArmingCheck; 19] = [
     ArmingCheck {
         name: "imu present",
         text: "Arming denied: IMU: no data",
@@ -162,9 +164,15 @@ pub const ARMING_CHECKS: [ArmingCheck; 18] = [
     },
     ArmingCheck {
         name: "throttle",
-        text: "Arming denied: throttle open or no joystick",
+        text: "Arming denied: throttle open or no sticks",
         may_be_forced: false,
         passes: |f| !f.throttle_is_open,
+    },
+    ArmingCheck {
+        name: "kill switch",
+        text: "Arming denied: kill switch is on",
+        may_be_forced: false,
+        passes: |f| !f.is_killed,
     },
 ];
 
@@ -199,6 +207,7 @@ mod tests {
             cell_low: 3.5,
             link_is_up: true,
             throttle_is_open: false,
+            is_killed: false,
             hover_share: 0.5,
         }
     }
@@ -225,6 +234,7 @@ mod tests {
             ArmingFacts { hover_share: f32::NAN, ..good() },
             ArmingFacts { link_is_up: false, ..good() },
             ArmingFacts { throttle_is_open: true, ..good() },
+            ArmingFacts { is_killed: true, ..good() },
         ];
         for (fault, check) in faults.iter().zip(&ARMING_CHECKS) {
             let failed = ArmingCheck::first_failure(fault, false).unwrap();

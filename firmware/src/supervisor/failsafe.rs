@@ -32,7 +32,7 @@ pub enum Failure {
     BatteryLow = 7,
     /// The ground station is silent.
     LinkLost = 8,
-    /// The joystick is silent in a mode that flies by it.
+    /// Radio and joystick are silent in a mode that flies by it.
     SticksLost = 9,
     /// Tilted beyond anything a flight asks for.
     Capsized = 10,
@@ -58,6 +58,8 @@ pub enum Failure {
     RotorLost = 20,
     /// Higher or further out than the fence.
     FenceBreached = 21,
+    /// Nobody is heard any more by the radio, and no joystick speaks.
+    RadioLost = 22,
 }
 
 /// Where a failure ends. Ordered by severity.
@@ -124,10 +126,12 @@ pub struct FailsafeFacts {
     pub tether_is_known: bool,
     /// Volts per cell.
     pub cell: Option<f32>,
-    /// How long the ground station has been silent, µs; `None` if it never spoke (a forced arming).
+    /// How long the ground station has been silent, µs; `None` if it never spoke, or a pilot flies by a radio.
     pub link_silence_us: Option<u64>,
-    /// A joystick spoke within the last second.
+    /// A radio or a joystick spoke lately.
     pub sticks_are_up: bool,
+    /// There was a pilot's radio in this flight, and nobody has the sticks now.
+    pub radio_is_lost: bool,
 }
 
 /// Times and thresholds from the parameters.
@@ -141,6 +145,8 @@ pub struct Failsafes {
     cell_critical: f32,
     /// `None`: nothing, or a warning only.
     fence_action: Option<FailsafeAction>,
+    /// `None`: what the mode does itself.
+    radio_action: Option<FailsafeAction>,
 }
 
 /// One row of [`FAILSAFES`].
@@ -243,6 +249,13 @@ impl Failsafes {
                 3 => Some(FailsafeAction::Land),
                 4 => Some(FailsafeAction::Terminate),
                 5 => Some(FailsafeAction::Descend),
+                _ => None,
+            },
+            radio_action: match p.radio_loss_action as i32 {
+                1 => Some(FailsafeAction::Hold),
+                2 => Some(FailsafeAction::Land),
+                3 => Some(FailsafeAction::Descend),
+                5 | 6 => Some(FailsafeAction::Terminate),
                 _ => None,
             },
         }

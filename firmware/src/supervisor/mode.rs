@@ -72,6 +72,8 @@ pub struct ModeRule {
     pub on: Links,
     /// Whether the core is built with it.
     pub is_built: bool,
+    /// Sticks move it, whether or not it can do without.
+    pub by_sticks: bool,
     /// It leaves the ground by itself, from a known place, and may be asked for anew until it has.
     pub takes_off: bool,
     /// What the operator reads when it has done what it was asked and Tether Hold takes over; `None` for a mode that
@@ -99,6 +101,28 @@ impl ModeRule {
             (4, 11..=18) => sub + 12,
             (6, _) => 14,
             (7, _) => 15,
+            // Manual, which none of ours is.
+            _ => 0,
+        }
+    }
+}
+
+impl ModeRule {
+    /// PX4's number of the mode in a slot of a mode switch, `COM_FLTMODE1` and the like. It follows from `custom_mode`.
+    #[must_use]
+    pub const fn switch_number(&self) -> i32 {
+        let [_, _, main, sub] = self.custom_mode.to_le_bytes();
+        match (main, sub) {
+            (2, _) => 1,
+            (3, _) => 2,
+            (4, 2) => 10,
+            (4, 3) => 4,
+            (4, 5) => 5,
+            (4, 6) => 11,
+            // External 1 to 8.
+            (4, 11..=18) => sub as i32 + 89,
+            (6, _) => 7,
+            (7, _) => 8,
             // Manual, which none of ours is.
             _ => 0,
         }
@@ -164,6 +188,7 @@ const fn row(
         rest,
         on: Links::Any,
         is_built: true,
+        by_sticks: needs.sticks,
         takes_off: false,
         completes: None,
     }
@@ -201,8 +226,8 @@ modes! {
     /// As Land, asked for by the name that ground stations have for it.
     Return: "Return", px4(4, 5), POSITION, Lands, standard_mode = 5;
     /// Sticks give velocities.
-    Position: "Position", px4(3, 0), POSITION, EndsWithMotors, standard_mode = 1,
-        completes = Some("Joystick lost, holding");
+    Position: "Position", px4(3, 0), POSITION, EndsWithMotors, standard_mode = 1, by_sticks = true,
+        completes = Some("Sticks lost, holding");
     /// A program's set-points.
     Offboard: "Offboard", px4(6, 0), POSITION, EndsWithMotors,
         completes = Some("Offboard stream ended, holding");
@@ -228,6 +253,12 @@ impl Mode {
         MODES.iter().find(|rule| number > 0 && rule.standard_mode == number).map(|rule| rule.mode)
     }
 
+    /// From PX4's number in a slot of a mode switch.
+    #[must_use]
+    pub fn from_switch(number: i32) -> Option<Self> {
+        MODES.iter().find(|rule| rule.switch_number() == number).map(|rule| rule.mode)
+    }
+
     /// From MAVLink's `custom_mode`.
     #[must_use]
     pub fn from_custom_mode(custom_mode: u32) -> Option<Self> {
@@ -244,8 +275,11 @@ mod tests {
         for rule in &MODES {
             assert_eq!(rule.mode.rule(), rule);
             assert_eq!(Mode::from_custom_mode(rule.custom_mode), Some(rule.mode));
+            assert_eq!(Mode::from_switch(rule.switch_number()), Some(rule.mode));
         }
         assert_eq!(Mode::from_custom_mode(u32::MAX), None);
+        // Manual, mission, acro.
+        assert_eq!([0, 3, 6].map(Mode::from_switch), [None; 3]);
     }
 
     #[test]

@@ -41,8 +41,10 @@ impl<S: Scalar> Vehicle<S> {
             tether_is_known: self.tether_is_known(cx.sensors),
             cell: cx.sensors.battery.map(|battery| battery.cell.to_f32()),
             cell_low: p.battery_low,
-            link_is_up: self.link_is_up(cx.now),
-            throttle_is_open: self.mode.mode().rule().needs.sticks && is_open(),
+            link_is_up: self.link_is_up(cx.now) || self.radio_is_up(cx.now),
+            throttle_is_open: (self.mode.mode().rule().needs.sticks || self.arms_by_radio())
+                && is_open(),
+            is_killed: self.is_killed(),
             hover_share: (weight + pull) / crate::model::thrust_max(p),
         }
     }
@@ -77,6 +79,7 @@ impl<S: Scalar> Vehicle<S> {
 
     fn failsafe_facts(&self, cx: &Context<'_, S>) -> FailsafeFacts {
         let estimate = &cx.situation.estimate;
+        let sticks_are_up = cx.fresh_sticks().is_some();
         FailsafeFacts {
             mode: self.mode.mode(),
             cos_tilt: estimate.attitude.cos_tilt().to_f32(),
@@ -91,8 +94,9 @@ impl<S: Scalar> Vehicle<S> {
             has_capture: !self.config.constants.kind.is_free() || estimate.position.is_some(),
             tether_is_known: self.tether_is_known(cx.sensors),
             cell: cx.sensors.battery.map(|battery| battery.cell.to_f32()),
-            link_silence_us: self.state.link_at.map(|at| cx.now.since(at)),
-            sticks_are_up: cx.fresh_sticks().is_some(),
+            link_silence_us: self.link_silence_us(cx.now),
+            sticks_are_up,
+            radio_is_lost: !sticks_are_up && self.obeys_radio() && self.radio_is_lost(cx.now),
         }
     }
 
@@ -226,7 +230,7 @@ impl<S: Scalar> Vehicle<S> {
         let cx = context!(self, at);
         let takes_off = entry.mode.rule().takes_off;
         if needs.sticks && cx.fresh_sticks().is_none() {
-            return Err(rejected("Mode refused: no joystick"));
+            return Err(rejected("Mode refused: no sticks"));
         }
         if needs.position && !takes_off && !self.has_place() {
             return Err(rejected("Mode refused: no position estimate"));
@@ -290,6 +294,7 @@ impl<S: Scalar> Vehicle<S> {
         self.state.contact_ramp = S::one();
         self.situation.armed_at = Some(at.now);
         self.state.motor_test = None;
+        self.forget_lost_radio(at.now);
         self.state.landed_at = None;
         self.situation.setpoints.ground = GroundState::OnGround;
         self.situation.setpoints.tension = self.config.constants.tension_low;

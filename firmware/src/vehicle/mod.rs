@@ -17,6 +17,7 @@ mod authority;
 mod felt;
 mod fly;
 mod output;
+mod radio;
 mod requests;
 mod tell;
 
@@ -46,6 +47,7 @@ use crate::trajectory::Plan;
 use actuate::MotorTest;
 use felt::Felt;
 use heapless::Deque;
+use radio::RadioState;
 use tell::Told;
 
 /// Requests that may wait for the parameters.
@@ -100,6 +102,7 @@ struct State<S: Scalar> {
     /// Ground station that may ask, in flight.
     commander: Option<u8>,
     motor_test: Option<MotorTest<S>>,
+    radio: RadioState,
     /// When a refusal that repeats was last told.
     refusal_told: Option<Micros>,
     /// A parameter that the vehicle changed by itself, for the ground station.
@@ -212,6 +215,7 @@ impl<S: Scalar> Vehicle<S> {
             link_at: None,
             commander: None,
             motor_test: None,
+            radio: RadioState::default(),
             refusal_told: None,
             echo: None,
             considered: None,
@@ -315,6 +319,8 @@ impl<S: Scalar> Vehicle<S> {
         self.receive_rod(&sensors);
         let has_estimated = self.advance(phase);
         let reply = self.take_up(input.request.as_ref(), at, &mut events);
+        let radio = input.sensors.radio.as_ref();
+        let has_switched = radio.is_some_and(|frame| self.hear(frame, at, &mut events));
         if phase == OuterPhase::Fly || sensors.imu.is_none() {
             self.supervise(at, &mut events);
         }
@@ -327,7 +333,7 @@ impl<S: Scalar> Vehicle<S> {
             }
             OuterPhase::Feel => self.state.phase = OuterPhase::Fly,
             OuterPhase::Fly => {
-                self.tell(&mut events);
+                self.tell(input.now, &mut events);
                 self.fly(at, &mut events);
                 self.state.phase = OuterPhase::Locate;
             }
@@ -335,7 +341,8 @@ impl<S: Scalar> Vehicle<S> {
         self.actuate(input.now, &sensors, &mut events);
         let reply = reply.or_else(|| self.state.echo.take().map(Reply::echo));
         // A request or a silent sensor may change anything.
-        let is_whole = input.request.is_some() || reply.is_some() || sensors.imu.is_none();
+        let is_asked = input.request.is_some() || has_switched;
+        let is_whole = is_asked || reply.is_some() || sensors.imu.is_none();
         let news = News {
             estimate: has_ticked || has_estimated || !was_levelled || is_whole,
             observers: phase == OuterPhase::Observe || sensors.rod.is_some() || is_whole,
@@ -347,7 +354,9 @@ impl<S: Scalar> Vehicle<S> {
     /// Notes when somebody outside last spoke.
     fn receive(&mut self, input: &StepInput) {
         self.state.link_at = self.state.link_at.max(input.heartbeat_at);
-        if let Some(sticks) = input.sticks {
+        if let Some(sticks) = input.sticks
+            && self.admits_joystick(input.now)
+        {
             let v = &sticks.value;
             if [v.roll, v.pitch, v.yaw, v.throttle].iter().all(|axis| axis.is_finite()) {
                 self.situation.sticks = Some(sticks);

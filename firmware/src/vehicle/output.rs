@@ -8,12 +8,15 @@ use crate::mode::{ActiveMode, PendulumReport, Situation};
 use crate::scalar::Scalar;
 use crate::sense::RawSensors;
 use crate::signal::{
-    Actuation, Estimate, EventQueue, FlightReference, MixerReport, PlanarReference, Reply, Request,
-    Sensors, Sticks, Wrench,
+    Actuation, Estimate, EventQueue, FlightReference, MixerReport, PlanarReference, RawRadio,
+    Reply, Request, Sensors, Sticks, Wrench,
 };
 use crate::single::in_single;
 use crate::supervisor::{GroundState, Mode};
 use crate::time::{Micros, Sample};
+
+/// A frame older than this shows no pilot, µs.
+const RADIO_FRESH_US: u64 = 500_000;
 
 /// Everything that one step may read.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -70,6 +73,8 @@ pub struct StepOutput {
     pub is_armable: bool,
     /// Bit n: row n of the failsafe table is active.
     pub failures: u32,
+    /// The last frame of a pilot's radio.
+    pub radio: Option<Sample<RawRadio>>,
     /// Answer to this step's request.
     pub reply: Option<Reply>,
     /// For the operator.
@@ -110,11 +115,18 @@ impl StepOutput {
             ground: situation.setpoints.ground,
             is_armable: false,
             failures: 0,
+            radio: None,
             reply: None,
             events: EventQueue::default(),
         };
         output.guide(situation, mode);
         output
+    }
+
+    /// A pilot is behind the last frame of the radio, which is fresh.
+    #[must_use]
+    pub fn radio_is_heard(&self) -> bool {
+        self.radio.is_some_and(|r| r.value.is_heard() && self.now.since(r.at) < RADIO_FRESH_US)
     }
 
     fn observe<S: Scalar>(&mut self, situation: &Situation<S>, mode: &ActiveMode<S>) {

@@ -4,7 +4,7 @@ use super::Vehicle;
 use crate::scalar::Scalar;
 use crate::signal::{AidReport, AltimeterReport, Event, EventQueue};
 use crate::supervisor::GroundState;
-use crate::time::OUTER_DT;
+use crate::time::{Micros, OUTER_DT};
 
 /// Standard deviations of the heading, rad, that are told, and how: 5 degrees, so that 15 are hardly ever passed unknown.
 const UNSURE: [(f64, &str); 2] = [
@@ -61,7 +61,8 @@ const EXHAUSTED: f32 = 0.93;
 const SHAKEN: f32 = 3.0;
 
 impl<S: Scalar> Vehicle<S> {
-    pub(super) fn tell(&mut self, events: &mut EventQueue) {
+    pub(super) fn tell(&mut self, now: Micros, events: &mut EventQueue) {
+        self.tell_radio(now, events);
         // Every action but a warning is a row of the failsafe table.
         let is_warned = self.params.fence_only_warns() && self.is_outside();
         let (estimate, told) = (&self.situation.estimate, &mut self.state.told);

@@ -79,7 +79,7 @@ pub(super) const MESSAGES: [Message; 34] = [
     stream::<mav::ATTITUDE_TARGET_DATA>(500, Session::send_attitude_target),
     stream::<mav::POSITION_TARGET_LOCAL_NED_DATA>(500, Session::send_position_target),
     stream::<mav::ACTUATOR_OUTPUT_STATUS_DATA>(500, Session::send_actuators),
-    stream::<mav::RC_CHANNELS_DATA>(500, Session::send_sticks),
+    stream::<mav::RC_CHANNELS_DATA>(500, Session::send_channels),
     on_request::<mav::AUTOPILOT_VERSION_DATA>(Session::send_version),
     on_request::<mav::MESSAGE_INTERVAL_DATA>(Session::send_interval),
     on_request::<mav::PROTOCOL_VERSION_DATA>(Session::send_protocol_version),

@@ -3,6 +3,7 @@
 use super::Outgoing;
 use crate::frames::V3;
 use crate::mavlink::{Session, Sink};
+use crate::time::Micros;
 use mavlink::dialects::common as mav;
 
 /// Standard gravity in a thousandth of which SCALED_IMU counts, m/s².
@@ -13,6 +14,8 @@ const RANGE_MIN: u16 = 10;
 const MIDDLE: f32 = 1500.0;
 const HALF: f32 = 500.0;
 const LOW: f32 = 1000.0;
+/// Channels older than this are not shown, µs.
+const FRESH_US: u64 = 1_000_000;
 /// No such channel.
 const NONE: u16 = u16::MAX;
 
@@ -126,36 +129,47 @@ impl Session {
         self.send(&m, sink);
     }
 
-    /// What a joystick says, as channels of a radio.
-    pub(super) fn send_sticks(&mut self, at: &Outgoing, sink: Sink) {
-        const FRESH_US: u64 = 1_000_000;
-        let Some(sticks) = self.sticks.filter(|s| at.out.now.since(s.at) < FRESH_US) else {
+    /// A radio's channels; without one what a joystick says, as such.
+    pub(super) fn send_channels(&mut self, at: &Outgoing, sink: Sink) {
+        let now = at.out.now;
+        if let Some(radio) = at.out.radio.filter(|radio| now.since(radio.at) < FRESH_US) {
+            let quality = radio.value.link_quality.unwrap_or(u8::MAX);
+            return self.send_rc((&radio.value.channels, quality), now, sink);
+        }
+        let Some(sticks) = self.sticks.filter(|s| now.since(s.at) < FRESH_US) else {
             return;
         };
         let us = |x: f32| (MIDDLE + HALF * x) as u16;
         let s = sticks.value;
+        let throttle = (LOW + 2.0 * HALF * s.throttle) as u16;
+        self.send_rc((&[us(s.roll), us(-s.pitch), throttle, us(s.yaw)], u8::MAX), now, sink);
+    }
+
+    /// Channels, and how well they are heard: a share, %, as PX4 sends it, or [`u8::MAX`].
+    fn send_rc(&mut self, (channels, rssi): (&[u16], u8), now: Micros, sink: Sink) {
+        let us = |channel: usize| channels.get(channel).copied().unwrap_or(NONE);
         let m = mav::RC_CHANNELS_DATA {
-            time_boot_ms: at.out.now.boot_ms(),
-            chan1_raw: us(s.roll),
-            chan2_raw: us(-s.pitch),
-            chan3_raw: (LOW + 2.0 * HALF * s.throttle) as u16,
-            chan4_raw: us(s.yaw),
-            chan5_raw: NONE,
-            chan6_raw: NONE,
-            chan7_raw: NONE,
-            chan8_raw: NONE,
-            chan9_raw: NONE,
-            chan10_raw: NONE,
-            chan11_raw: NONE,
-            chan12_raw: NONE,
-            chan13_raw: NONE,
-            chan14_raw: NONE,
-            chan15_raw: NONE,
-            chan16_raw: NONE,
+            time_boot_ms: now.boot_ms(),
+            chan1_raw: us(0),
+            chan2_raw: us(1),
+            chan3_raw: us(2),
+            chan4_raw: us(3),
+            chan5_raw: us(4),
+            chan6_raw: us(5),
+            chan7_raw: us(6),
+            chan8_raw: us(7),
+            chan9_raw: us(8),
+            chan10_raw: us(9),
+            chan11_raw: us(10),
+            chan12_raw: us(11),
+            chan13_raw: us(12),
+            chan14_raw: us(13),
+            chan15_raw: us(14),
+            chan16_raw: us(15),
             chan17_raw: NONE,
             chan18_raw: NONE,
-            chancount: 4,
-            rssi: u8::MAX,
+            chancount: channels.len() as u8,
+            rssi,
         };
         self.send(&m, sink);
     }

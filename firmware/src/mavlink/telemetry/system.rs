@@ -77,6 +77,8 @@ impl Session {
         let prearm = F::MAV_SYS_STATUS_PREARM_CHECK;
         let mut present = inertial | altitude | position | always | attitude | battery_bit | prearm;
         present.set(fence, params.has_fence());
+        let receiver = F::MAV_SYS_STATUS_SENSOR_RC_RECEIVER;
+        present.set(receiver, out.radio.is_some());
         let mut health = always;
         let mut set = |bits: F, holds: bool| {
             if holds {
@@ -87,6 +89,7 @@ impl Session {
         set(altitude, out.sensors.altitude_is_fresh);
         set(position, out.estimate.position.is_some());
         set(attitude, out.estimate.is_levelled);
+        set(receiver, out.radio_is_heard());
         set(battery_bit, out.sensors.battery.is_some());
         // Some clients look at the health of a fence that is not there.
         set(fence, !is_breached(out));

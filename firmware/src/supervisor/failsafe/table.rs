@@ -23,7 +23,7 @@ fn concerns(mode: Mode, need: impl Fn(&Needs) -> bool) -> bool {
 }
 
 /// All failures, ordered as [`Failure`].
-pub const FAILSAFES: [Failsafe; 22] = [
+pub const FAILSAFES: [Failsafe; 23] = [
     Failsafe {
         failure: Failure::ImuLost,
         name: "imu_lost",
@@ -99,7 +99,7 @@ pub const FAILSAFES: [Failsafe; 22] = [
     Failsafe {
         failure: Failure::SticksLost,
         name: "sticks_lost",
-        text: "Joystick lost: descending",
+        text: "Sticks lost: descending",
         is_present: |_, f| !f.sticks_are_up && f.mode.rule().needs.sticks,
         delay: |_| 500_000,
         action: |_| FailsafeAction::Descend,
@@ -201,6 +201,14 @@ pub const FAILSAFES: [Failsafe; 22] = [
         is_present: |c, f| f.is_outside && c.fence_action.is_some(),
         delay: |_| FENCE_DELAY_US,
         action: |c| c.fence_action.unwrap_or(FailsafeAction::Hold),
+    },
+    Failsafe {
+        failure: Failure::RadioLost,
+        name: "radio_lost",
+        text: "No pilot: radio failsafe",
+        is_present: |c, f| f.radio_is_lost && c.radio_action.is_some(),
+        delay: |_| 0,
+        action: |c| c.radio_action.unwrap_or(FailsafeAction::Hold),
     },
 ];
 

@@ -16,6 +16,7 @@ fn healthy() -> FailsafeFacts {
         cell: Some(3.9),
         link_silence_us: Some(0),
         sticks_are_up: false,
+        radio_is_lost: false,
         cos_tilt: 1.0,
     }
 }
