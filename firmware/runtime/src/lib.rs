@@ -6,6 +6,7 @@
 //! | [`tasks`] | what the tasks of an image do |
 //! | [`inner_loop`] | one inertial sample: read, step, motors |
 //! | [`slow`] | barometer, rangefinder, battery, each at its own pace |
+//! | [`radio`] | a pilot's radio, both ways |
 //! | [`line`](mod@line) | the line's own sensors, where fitted |
 //! | [`inbox`] | what the slower tasks have for the next step |
 //! | [`comms`] | MAVLink on every port, and the flight log |
@@ -25,6 +26,7 @@ pub mod crash;
 pub mod inbox;
 pub mod line;
 pub mod port;
+pub mod radio;
 pub mod recorder;
 pub mod serial;
 pub mod settings;

@@ -10,6 +10,7 @@ use crate::comms::Comms;
 use crate::inbox::Inbox;
 use crate::inner_loop::InnerLoop;
 use crate::port::Port;
+use crate::radio::{Downlink, Receiver};
 use crate::recorder::Recorder;
 use crate::settings::Settings;
 use crate::slow::SlowDevices;
@@ -76,12 +77,13 @@ pub fn flight<SPI: SpiDevice, PWM: SetDutyCycle>(
     }
 }
 
-/// MAVLink and the log, after each step.
+/// MAVLink, the log and the pilot's screen, after each step.
 pub fn comms(
     comms: &mut Comms<PORTS>,
     out: &StepOutput,
     ports: [&mut dyn Port; PORTS],
     log: &mut impl Recorder,
+    radio: &mut Option<Downlink>,
     inbox: &mut impl Mutex<T = Inbox>,
     params: &mut impl Mutex<T = Params>,
 ) {
@@ -101,6 +103,9 @@ pub fn comms(
         comms.transmit(index, out, &mut |frame| port.put(frame));
         port.flush();
     }
+    if let Some(radio) = radio {
+        radio.transmit(out);
+    }
     inbox.lock(|inbox| comms.collect(inbox));
     log.write(comms, out);
 }
@@ -109,12 +114,13 @@ pub fn comms(
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct NotStored;
 
-/// Barometer, rangefinder, battery, each millisecond at the lowest priority; on the ground also the parameters.
+/// Barometer, rangefinder, battery, radio, each millisecond at the lowest priority; on the ground also the parameters.
 ///
 /// # Errors
 /// [`NotStored`], once: nothing is stored from then on, or it would be told every millisecond.
 pub fn devices<I2C, UART, V, C, F>(
     devices: &mut SlowDevices<I2C, UART, V, C>,
+    radio: &mut Option<Receiver<impl Read + ReadReady>>,
     settings: &mut Option<Settings<F>>,
     (now, is_armed): (Micros, bool),
     delay: &mut impl DelayNs,
@@ -130,6 +136,9 @@ where
 {
     let mut sensors = RawSensors::default();
     devices.poll(now, &mut sensors);
+    if let Some(radio) = radio {
+        radio.poll(now, &mut sensors);
+    }
     inbox.lock(|inbox| inbox.put(sensors));
     if is_armed {
         return Ok(());

@@ -29,6 +29,8 @@ impl Protocol {
     }
 }
 
+/// Bytes that it remembers.
+const HEARD_MAX: usize = 4_096;
 /// Frames between two statistics of the link.
 const STATISTICS: u64 = 10;
 /// Of a signal a room away, dBm, without its sign.
@@ -65,7 +67,7 @@ pub struct FakeReceiver {
     random: u32,
     channels: [u16; CHANNELS],
     queue: VecDeque<u8>,
-    /// What the vehicle sent to it.
+    /// What the vehicle sent to it lately.
     pub heard: Vec<u8>,
     /// Pulled off: not a byte.
     pub is_removed: bool,
@@ -212,6 +214,8 @@ impl Write for FakeReceiver {
     fn write(&mut self, bytes: &[u8]) -> Result<usize, BusFault> {
         if !self.is_removed {
             self.heard.extend(bytes);
+            let old = self.heard.len().saturating_sub(HEARD_MAX);
+            self.heard.drain(..old);
         }
         Ok(bytes.len())
     }

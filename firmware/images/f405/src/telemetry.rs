@@ -5,7 +5,7 @@ use stm32f4xx_hal::gpio::{PushPull, alt::usart1};
 use stm32f4xx_hal::pac::{Interrupt, USART1};
 use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::rcc::Rcc;
-use stm32f4xx_hal::serial::{self, Rx, Serial, config::Config};
+use stm32f4xx_hal::serial::{self, Instance, Rx, Serial, config::Config};
 use tautline_runtime::port::Queued;
 use tautline_runtime::serial::{Memory as Queues, Serial as Both, Transmit};
 
@@ -15,16 +15,16 @@ const BAUD: u32 = 115_200;
 /// Of the queues.
 pub type Memory = Queues<1024, 512>;
 /// The interrupt's side.
-pub type Port = Both<Rx<USART1>, Tx>;
+pub type Port = Both<Rx<USART1>, Tx<USART1>>;
 
 /// The HAL's transmitter.
-pub struct Tx(serial::Tx<USART1>);
+pub struct Tx<USART: Instance>(pub serial::Tx<USART>);
 
-impl embedded_hal_nb::serial::ErrorType for Tx {
+impl<USART: Instance> embedded_hal_nb::serial::ErrorType for Tx<USART> {
     type Error = serial::Error;
 }
 
-impl embedded_hal_nb::serial::Write for Tx {
+impl<USART: Instance> embedded_hal_nb::serial::Write for Tx<USART> {
     fn write(&mut self, byte: u8) -> nb::Result<(), Self::Error> {
         embedded_hal_nb::serial::Write::write(&mut self.0, byte)
     }
@@ -33,7 +33,7 @@ impl embedded_hal_nb::serial::Write for Tx {
     }
 }
 
-impl Transmit for Tx {
+impl<USART: Instance> Transmit for Tx<USART> {
     fn listen(&mut self, on: bool) {
         if on { self.0.listen() } else { self.0.unlisten() }
     }

@@ -10,7 +10,8 @@ use tautline_runtime::comms::Comms;
 use tautline_runtime::crash::Cause;
 use tautline_runtime::inbox::Inbox;
 use tautline_runtime::inner_loop::InnerLoop;
-use tautline_runtime::port::{Port, Queued};
+use tautline_runtime::port::{Inward, Port, Queued};
+use tautline_runtime::radio::{self, Downlink, Receiver};
 use tautline_runtime::settings::Settings;
 use tautline_runtime::tasks::{self, OUTPUTS, PORTS};
 
@@ -49,6 +50,9 @@ mod image {
         background: board::Background,
         usb: Option<board::Usb>,
         listener: Option<board::Listener>,
+        radio_uart: Option<board::Telemetry>,
+        receiver: Option<Receiver<Inward>>,
+        downlink: Option<Downlink>,
     }
 
     #[init(local = [
@@ -77,6 +81,8 @@ mod image {
         let identity = Identity::new(board::uid(), env!("TAUTLINE_REVISION"));
         let (outputs_in, outputs_out) = cx.local.outputs.split();
         let (uart, telemetry) = board.telemetry.unzip();
+        let (radio_uart, radio) = board.radio.unzip();
+        let (receiver, downlink) = radio.map(radio::split).unzip();
         crate::time::guard(board.watchdog);
         (
             Shared { inbox: Inbox::default(), params },
@@ -95,6 +101,9 @@ mod image {
                 background: board.background,
                 usb: board.usb,
                 listener: board.listener,
+                radio_uart,
+                receiver,
+                downlink,
             },
         )
     }
@@ -110,13 +119,13 @@ mod image {
     }
 
     /// MAVLink and the log.
-    #[task(priority = 2, local = [comms, outputs_out, console, log, telemetry], shared = [inbox, params])]
+    #[task(priority = 2, local = [comms, outputs_out, console, log, telemetry, downlink], shared = [inbox, params])]
     async fn comms(mut cx: comms::Context) {
         let local = cx.local;
         while let Some(out) = local.outputs_out.dequeue() {
             let shared = (&mut cx.shared.inbox, &mut cx.shared.params);
             let ports: [&mut dyn Port; PORTS] = [local.console, local.telemetry];
-            tasks::comms(local.comms, &out, ports, local.log, shared.0, shared.1);
+            tasks::comms(local.comms, &out, ports, local.log, local.downlink, shared.0, shared.1);
             if local.comms.is_to_reboot(&out) {
                 cortex_m::peripheral::SCB::sys_reset();
             }
@@ -124,14 +133,14 @@ mod image {
         }
     }
 
-    /// Barometer, rangefinder, battery; on the ground also the parameters.
-    #[task(priority = 1, local = [devices, settings], shared = [inbox, params])]
+    /// Barometer, rangefinder, battery, radio; on the ground also the parameters.
+    #[task(priority = 1, local = [devices, receiver, settings], shared = [inbox, params])]
     async fn devices(mut cx: devices::Context, is_armed: bool) {
-        let (devices, settings) = (cx.local.devices, cx.local.settings);
+        let (devices, radio, settings) = (cx.local.devices, cx.local.receiver, cx.local.settings);
         let at = (crate::time::now(), is_armed);
         let shared = (&mut cx.shared.inbox, &mut cx.shared.params);
         let mut delay = crate::time::Delay;
-        if tasks::devices(devices, settings, at, &mut delay, shared.0, shared.1).is_err() {
+        if tasks::devices(devices, radio, settings, at, &mut delay, shared.0, shared.1).is_err() {
             defmt::error!("parameters: not stored");
         }
     }
@@ -166,6 +175,14 @@ mod image {
     fn range(cx: range::Context) {
         if let Some(listener) = cx.local.listener {
             listener.serve();
+        }
+    }
+
+    /// A pilot's receiver has a byte each 24 us: a step may take longer, and must not hold it up.
+    #[task(binds = USART6, priority = 6, local = [radio_uart])]
+    fn pilot(cx: pilot::Context) {
+        if let Some(port) = cx.local.radio_uart {
+            port.serve();
         }
     }
 

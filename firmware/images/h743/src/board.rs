@@ -35,6 +35,7 @@ use tautline_firmware::time::Micros;
 use tautline_firmware::vehicle::StepOutput;
 use tautline_hal_shim::battery::BatteryMonitor;
 use tautline_hal_shim::parameters::ParameterStore;
+use tautline_hal_shim::radio::crsf;
 use tautline_runtime::port::{Inward, Queued};
 use tautline_runtime::recorder::{self, CardWriter, LogQueue, RecorderEvent};
 use tautline_runtime::serial::{Listener as Ear, Memory as SerialMemory, Serial};
@@ -58,7 +59,7 @@ pub type ImuBus =
 pub type Devices = SlowDevices<I2c<'static, Blocking, i2c::Master>, Inward, VoltagePin, CurrentPin>;
 /// Where the log goes.
 pub type LogSink = LogQueue;
-/// UART7's interrupt.
+/// UART7's interrupt, and USART6's.
 pub type Telemetry = Serial<Rx, Tx>;
 /// USART2's interrupt: the rangefinder.
 pub type Listener = Ear<Rx>;
@@ -76,6 +77,7 @@ pub struct Memory {
     usb: port::Memory,
     telemetry: SerialMemory<1024, 512>,
     range: Queue<u8, 64>,
+    radio: SerialMemory<128, 256>,
     card: MaybeUninit<Sdmmc<'static>>,
     /// Two fifths of a second of log.
     log: recorder::Memory<32_768>,
@@ -89,6 +91,7 @@ impl Memory {
             usb: port::Memory::new(),
             telemetry: SerialMemory::new(),
             range: Queue::new(),
+            radio: SerialMemory::new(),
             card: MaybeUninit::uninit(),
             log: recorder::Memory::new(),
         }
@@ -107,6 +110,7 @@ pub struct Board {
     pub delay: Delay,
     pub usb: Option<Usb>,
     pub listener: Option<Listener>,
+    pub radio: Option<(Telemetry, Queued)>,
     pub notice: Option<String<50>>,
     pub watchdog: Peri<'static, peripherals::IWDG1>,
 }
@@ -148,6 +152,13 @@ pub fn start(mut core: cortex_m::Peripherals, memory: &'static mut Memory) -> Bo
         let tx = Tx { tx, registers: pac::UART7 };
         Serial::new(rx, tx, &mut memory.telemetry, || rtic::pend(pac::Interrupt::UART7))
     });
+    let uart = Uart::new_blocking(p.USART6, p.PC7, p.PC6, serial::at(crsf::BAUD)).ok();
+    let radio = uart.map(|uart| {
+        let (tx, rx) = uart.split();
+        serial::listen(pac::USART6);
+        let tx = Tx { tx, registers: pac::USART6 };
+        Serial::new(rx, tx, &mut memory.radio, || rtic::pend(pac::Interrupt::USART6))
+    });
     let (inward, range) = memory.range.split();
     let ear = Rx::new_blocking(p.USART2, p.PD6, serial::config()).ok();
     let listener = ear.map(|rx| {
@@ -186,6 +197,7 @@ pub fn start(mut core: cortex_m::Peripherals, memory: &'static mut Memory) -> Bo
         delay: Delay,
         usb,
         listener,
+        radio,
         notice: was_watchdog.then(|| String::try_from("Reset: watchdog").unwrap_or_default()),
         watchdog: p.IWDG1,
     }

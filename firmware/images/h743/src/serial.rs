@@ -1,4 +1,4 @@
-//! UARTs: telemetry both ways, the rangefinder one way.
+//! UARTs: telemetry and a pilot's receiver both ways, the rangefinder one way.
 
 use embassy_stm32::mode::Blocking;
 use embassy_stm32::pac::usart::Usart;
@@ -9,8 +9,13 @@ use tautline_runtime::serial::Transmit;
 const BAUD: u32 = 115_200;
 
 pub fn config() -> usart::Config {
+    at(BAUD)
+}
+
+/// At another rate, bits per second.
+pub fn at(baud: u32) -> usart::Config {
     let mut config = usart::Config::default();
-    config.baudrate = BAUD;
+    config.baudrate = baud;
     config
 }
 

@@ -33,9 +33,10 @@ use tautline_runtime::wire::{Injury, OUTPUTS, Reply, Request};
 /// Barometer, rangefinder and battery on their buses.
 pub type Devices = SlowDevices<SlowBus, RangePort, Pins, Pins>;
 
-/// Neither has anything to do.
+/// None of them has anything to do.
 pub type Usb = Option<Nobody>;
 pub type Listener = Option<Nobody>;
+pub type RadioUart = Nobody;
 
 /// What the board needs for ever: nothing here.
 pub struct Memory;
@@ -60,6 +61,7 @@ pub struct Board {
     pub pace: Pace,
     pub usb: Usb,
     pub listener: Listener,
+    pub radio: Option<(RadioUart, Queued)>,
     pub notice: Option<String<50>>,
 }
 
@@ -92,6 +94,7 @@ pub fn start(
         pace: Pace::start(device.TIM2, &mut rcc),
         usb: None,
         listener: None,
+        radio: None,
         notice: None,
     }
 }

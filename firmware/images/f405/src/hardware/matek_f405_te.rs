@@ -173,6 +173,7 @@ pub fn wire(device: pac::Peripherals, mut rcc: Rcc) -> Wired {
         },
         telemetry: (device.USART1, gpioa.pa9, gpioa.pa10),
         range: (device.USART6, gpioc.pc7),
+        radio: (device.USART2, gpioa.pa2, gpioa.pa3),
         usb: (
             device.OTG_FS_GLOBAL,
             device.OTG_FS_DEVICE,

@@ -5,6 +5,7 @@ mod motors;
 #[cfg_attr(feature = "matek-f405-te", path = "matek_f405_te.rs")]
 #[cfg_attr(not(feature = "matek-f405-te"), path = "speedybee_f405_v4.rs")]
 mod pins;
+mod radio;
 mod range;
 mod time;
 mod wiring;
@@ -48,6 +49,8 @@ pub type LogSink = LogQueue;
 pub type Usb = Option<usb::Usb<UsbBusType>>;
 /// Listens to the rangefinder.
 pub type Listener = Option<range::Listener>;
+/// The interrupt's side of a pilot's receiver.
+pub type RadioUart = radio::Port;
 
 static BATTERY: BatteryCell = Mutex::new(RefCell::new(None));
 static READY: AtomicBool = AtomicBool::new(false);
@@ -60,6 +63,7 @@ pub struct Memory {
     bus: MaybeUninit<usb_device::bus::UsbBusAllocator<UsbBusType>>,
     usb: usb::Memory,
     range: range::Memory,
+    radio: radio::Memory,
     /// A fifth of a second of log, and the header of a file, which is longer.
     log: recorder::Memory<16_384>,
 }
@@ -71,6 +75,7 @@ impl Memory {
             bus: MaybeUninit::uninit(),
             usb: usb::Memory::new(),
             range: range::Memory::new(),
+            radio: radio::Memory::new(),
             log: recorder::Memory::new(),
         }
     }
@@ -90,6 +95,7 @@ pub struct Board {
     pub pace: Pace,
     pub usb: Usb,
     pub listener: Listener,
+    pub radio: Option<(RadioUart, Queued)>,
     pub notice: Option<String<50>>,
 }
 
@@ -133,6 +139,7 @@ pub fn start(
         // Without the crystal USB's clock is off by too much.
         usb: port.filter(|_| source == crate::clock::Source::Crystal),
         listener,
+        radio: radio::start(wired.radio, &mut board_memory.radio, &mut wired.rcc),
         notice: was_watchdog.then(|| String::try_from("Reset: watchdog").unwrap_or_default()),
         motors: Motors { timers: wired.motors, rcc: wired.rcc },
     }

@@ -4,7 +4,7 @@ use super::{Delay, pins};
 use core::convert::Infallible;
 use embedded_hal_bus::spi::ExclusiveDevice;
 use stm32f4xx_hal::adc::{Adc, config::SampleTime};
-use stm32f4xx_hal::gpio::{AnyPin, Output, PA9, PA10, PA11, PA12, PC7};
+use stm32f4xx_hal::gpio::{AnyPin, Output, PA2, PA3, PA9, PA10, PA11, PA12, PC7};
 use stm32f4xx_hal::i2c::I2c;
 use stm32f4xx_hal::pac;
 use stm32f4xx_hal::rcc::Rcc;
@@ -88,6 +88,7 @@ pub struct Wired {
     pub motors: pins::MotorTimers,
     pub telemetry: (pac::USART1, PA9, PA10),
     pub range: (pac::USART6, PC7),
+    pub radio: (pac::USART2, PA2, PA3),
     pub usb: (pac::OTG_FS_GLOBAL, pac::OTG_FS_DEVICE, pac::OTG_FS_PWRCLK, PA11, PA12),
     pub flash: pac::FLASH,
     pub timer: pac::TIM5,
