@@ -37,6 +37,23 @@ fn every_arithmetic_and_sensor_replays_to_the_bit() {
 }
 
 #[test]
+fn a_flight_by_radio_replays_to_the_bit_with_its_loss() {
+    let radio = include_str!("../sitl/scenarios/radio.toml");
+    let loss = "[[fault]]\nkind = \"radio_failsafe\"\nat = 22.0\nduration = 4.0\n[[mission]]";
+    let noise = "[[fault]]\nkind = \"radio_noise\"\nvalue = 0.001\nat = 0.0\n";
+    let text = radio.replace("[[mission]]", &format!("{noise}{loss}"));
+    let (items, gap) = read(&logged(&text, 60.0)).unwrap();
+    assert_eq!(gap, None);
+    let frames = items
+        .iter()
+        .filter(|item| matches!(item, Item::Step(input, _) if input.sensors.radio.is_some()))
+        .count();
+    assert!(frames > 5_000, "{frames}");
+    let replayed = replay(&items, &Settings::default()).unwrap();
+    assert!(replayed.identical, "{replayed:?}");
+}
+
+#[test]
 fn another_parameter_shows_from_when_on_and_how_much() {
     let (items, _) = read(&logged(UP_AND_DOWN, 25.0)).unwrap();
     let same = replay(&items, &with("EST_KIND", 1.0)).unwrap();

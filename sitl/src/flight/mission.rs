@@ -100,6 +100,8 @@ pub struct MissionRunner {
     catches: bool,
     /// Highest take-off, m.
     highest: f64,
+    /// The vehicle was armed in this step.
+    has_armed: bool,
     /// The operator goes on to be heard when nothing is left to do.
     stays: bool,
 }
@@ -123,6 +125,7 @@ impl MissionRunner {
             sticks_at: f64::NEG_INFINITY,
             walk: None,
             catches: false,
+            has_armed: false,
         }
     }
 
@@ -217,7 +220,8 @@ impl MissionRunner {
         if self.progress != Progress::Flying && !self.stays {
             return;
         }
-        if time >= self.heartbeat_at + HEARTBEAT_PERIOD {
+        let by_radio = matches!(self.steps.get(self.at), Some(Step::Radio { .. }));
+        if time >= self.heartbeat_at + HEARTBEAT_PERIOD && !by_radio {
             self.heartbeat_at = time;
             send(&self.sender.ground_heartbeat());
         }
@@ -229,6 +233,7 @@ impl MissionRunner {
             return;
         };
         let waited = time - self.step_began;
+        self.has_armed |= status.is_armed;
         if let Some(sticks) = self.sticks.filter(|_| time >= self.sticks_at + STICKS_PERIOD) {
             self.sticks_at = time;
             let excited = match step {
@@ -245,11 +250,12 @@ impl MissionRunner {
             self.at += 1;
             self.step_began = time;
             self.commanded_at = None;
+            self.has_armed = false;
             return;
         }
         let timeout = match step {
             Step::Hold { seconds } => seconds + 1.0,
-            Step::AwaitDisarmed { timeout } => timeout,
+            Step::AwaitDisarmed { timeout } | Step::Radio { timeout } => timeout,
             Step::Excite { seconds, .. } => seconds + 1.0,
             Step::Takeoff { altitude } => TIMEOUT + TIMEOUT_PER_METRE * altitude,
             Step::Land => TIMEOUT + TIMEOUT_PER_METRE * self.highest,
@@ -263,7 +269,8 @@ impl MissionRunner {
             self.progress = Progress::Failed(format!("{} not done after {timeout} s", step.name()));
             return;
         }
-        let is_flight = !matches!(step, Step::Arm | Step::Altitude | Step::AwaitDisarmed { .. });
+        let is_flight =
+            !by_radio && !matches!(step, Step::Arm | Step::Altitude | Step::AwaitDisarmed { .. });
         if is_flight && !status.is_armed && waited > REPEAT && !matches!(step, Step::Land) {
             self.progress = Progress::Failed(format!("disarmed during {}", step.name()));
             return;
@@ -295,6 +302,7 @@ impl MissionRunner {
             Step::Excite { seconds, .. } => waited >= *seconds,
             Step::WalkAnchor { .. } | Step::CatchRod => true,
             Step::Land | Step::AwaitDisarmed { .. } => !status.is_armed,
+            Step::Radio { .. } => self.has_armed && !status.is_armed,
             // Those that wait for their mode.
             Step::Taut { .. }
             | Step::TetherHold
@@ -388,6 +396,7 @@ impl MissionRunner {
             | Step::Excite { .. }
             | Step::WalkAnchor { .. }
             | Step::CatchRod
+            | Step::Radio { .. }
             | Step::AwaitDisarmed { .. } => return false,
         };
         send(&self.sender.command(self.target, command, p));

@@ -229,6 +229,9 @@ impl World {
             self.input = input;
         }
         self.environment.release_rod(out.mode);
+        if let Some(pilot) = &mut self.environment.sensors.pilot {
+            pilot.tell(out);
+        }
         let throttle = self.throttle.as_ref().filter(|_| out.is_armed);
         match self.motors.write(throttle.unwrap_or(&out.actuation.throttle)) {
             Ok(()) => {}

@@ -1,6 +1,6 @@
 //! Every number of a scenario within its range, before the first step.
 
-use super::{LineModel, Scenario, Step, TetherKind, preset, set_param};
+use super::{LineModel, RadioKind, Scenario, Step, TetherKind, preset, set_param};
 use std::f64::consts::{FRAC_PI_2, PI};
 use tautline_firmware::param::Params;
 
@@ -30,6 +30,14 @@ impl Scenario {
         self.wind.check()?;
         self.sensors.check()?;
         self.battery.check()?;
+        let mut last = 0.0;
+        for (i, row) in self.radio.iter().enumerate() {
+            row.check(&format!("radio[{i}]"), last)?;
+            last = row.at;
+        }
+        if !self.radio.is_empty() && self.sensors.radio == RadioKind::None {
+            return Err("radio wants sensors.radio = \"crsf\" or \"sbus\"".into());
+        }
         for (i, fault) in self.fault.iter().enumerate() {
             fault.check(&format!("fault[{i}]"), &self.mission)?;
         }
@@ -64,7 +72,9 @@ impl Scenario {
             let (key, value, min, max) = match step {
                 Step::Takeoff { altitude } => ("altitude", *altitude, 0.5, 200.0),
                 Step::Hold { seconds } => ("seconds", *seconds, 0.0, 1e6),
-                Step::AwaitDisarmed { timeout } => ("timeout", *timeout, 0.0, 1e6),
+                Step::AwaitDisarmed { timeout } | Step::Radio { timeout } => {
+                    ("timeout", *timeout, 0.0, 1e6)
+                }
                 Step::TautMove { duration, .. } => ("duration", *duration, 0.0, 1e6),
                 Step::WalkAnchor { speed, .. } => ("speed", *speed, 0.0, 10.0),
                 Step::Excite { seconds, .. } => ("seconds", *seconds, 0.0, 1e6),

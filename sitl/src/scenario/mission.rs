@@ -87,6 +87,11 @@ pub enum Step {
     TetherHold,
     /// Land and wait until disarmed.
     Land,
+    /// No ground station: wait until the pilot of `[[radio]]` has armed, flown and disarmed.
+    Radio {
+        /// s.
+        timeout: f64,
+    },
     /// Wait until disarmed, whatever the reason.
     AwaitDisarmed {
         /// s.
@@ -154,5 +159,9 @@ pub(super) const STEPS: &[(&str, &str)] = &[
     ),
     ("do = \"tether_hold\"", "Back to Tether Hold."),
     ("do = \"land\"", "Land and wait until disarmed."),
+    (
+        "do = \"radio\"\ntimeout = 120.0",
+        "No ground station: wait until the pilot of `[[radio]]` has armed, flown and disarmed, s.",
+    ),
     ("do = \"await_disarmed\"\ntimeout = 60.0", "Wait until disarmed, whatever the reason, s."),
 ];

@@ -12,6 +12,7 @@ mod mission;
 mod operator;
 pub mod params_file;
 mod preset;
+mod radio;
 mod sections;
 pub mod settings;
 mod template;
@@ -26,6 +27,7 @@ pub use fault::{
 };
 pub use key::Key;
 pub use mission::{Step, TautControl, standard_mission};
+pub use radio::{RadioKind, RadioSection};
 pub use sections::{
     BaseSection, BatterySection, CaptureSection, DisturbanceKind, LineModel, PushSection,
     RodSection, SensorSection, StationSection, TetherKind, TetherSection, VehicleSection,
@@ -70,6 +72,8 @@ pub struct Scenario {
     pub battery: BatterySection,
     /// Parameters of the firmware.
     pub params: BTreeMap<String, f32>,
+    /// What a pilot does with a radio, at these times.
+    pub radio: Vec<RadioSection>,
     /// Faults, at their times.
     pub fault: Vec<FaultSection>,
     /// What the built-in mission runner flies; empty: nobody flies.

@@ -1,7 +1,7 @@
 //! All keys of a scenario's sections. One line each: key, type, unit, default, range.
 
 use super::key::sections;
-use super::{Gnss, WindRow};
+use super::{Gnss, RadioKind, WindRow};
 use crate::plant::Hub;
 use serde::{Deserialize, Serialize};
 
@@ -319,6 +319,8 @@ sections! {
         gnss: Gnss [""] = Gnss::None;
         /// A second inertial sensor, with errors of its own.
         second_imu: bool [""] = false;
+        /// A receiver of a pilot's radio: none, crsf or sbus. `[[radio]]` says what the pilot does.
+        radio: RadioKind [""] = RadioKind::None;
         /// Every n-th rangefinder frame loses a byte; 0 = none.
         range_lost_bytes: u64 [""] = 200;
     }

@@ -3,6 +3,7 @@
 use super::fault::{FAULT_KEYS, FAULTS, FaultRule};
 use super::key::Key;
 use super::mission::STEPS;
+use super::radio::RADIO_KEYS;
 use super::sections::keys;
 use std::fmt::Write;
 
@@ -52,6 +53,10 @@ pub fn template() -> String {
     out.push_str("# Kinds:\n");
     for rule in FAULTS {
         let _ = writeln!(out, "#   {:20}{}", rule.name, comment(rule.doc, &about(rule)));
+    }
+    out.push_str("\n# What a pilot does with a radio, at a time; what a row leaves out stays.\n# [[radio]]\n");
+    for (name, example, doc) in RADIO_KEYS {
+        let _ = writeln!(out, "# {doc}\n# {name} = {example}");
     }
     out.push_str("\n# What is flown, in this order; nothing: a ground station flies.\n");
     for (text, doc) in STEPS {
@@ -108,6 +113,14 @@ pub fn reference() -> String {
         };
         let _ = writeln!(out, "| `{}` | {unit} | {range} | {} |", rule.name, rule.doc.trim());
     }
+    out.push_str(
+        "\n## `[[radio]]`\n\nWhat a pilot does with a radio ([how it is wired and mapped](radio.md)): sticks in their middle,\n\
+         throttle down and switches off until a row says otherwise; what a row leaves out stays.\n\n\
+         | key | example | meaning |\n|---|---|---|\n",
+    );
+    for (name, example, doc) in RADIO_KEYS {
+        let _ = writeln!(out, "| `{name}` | `{example}` | {doc} |");
+    }
     out.push_str("\n## `[[mission]]`\n\n| step | what |\n|---|---|\n");
     for (text, doc) in STEPS {
         let _ = writeln!(out, "| `{}` | {doc} |", text.trim().replace('\n', "`, `"));
@@ -148,12 +161,18 @@ mod tests {
             FAULT_KEYS.iter().map(|(name, example, _)| format!("{name} = {example}\n")).collect();
         let steps: String =
             STEPS.iter().map(|(text, _)| format!("[[mission]]\n{text}\n")).collect();
-        let text = format!("[[fault]]\nkind = \"range_offset\"\n{faults}{steps}");
+        let hands: String =
+            RADIO_KEYS.iter().map(|(name, example, _)| format!("{name} = {example}\n")).collect();
+        let text = format!(
+            "[sensors]\nradio = \"sbus\"\n[[radio]]\n{hands}[[fault]]\nkind = \"range_offset\"\n{faults}{steps}"
+        );
         let scenario = Scenario::parse(&text, "examples").unwrap();
         assert_eq!(scenario.mission.len(), STEPS.len());
         // Every key of a fault stands in the table.
         let written = toml::Value::try_from(&scenario.fault[0]).unwrap();
         assert_eq!(written.as_table().unwrap().len(), FAULT_KEYS.len() + 1);
+        let written = toml::Value::try_from(&scenario.radio[0]).unwrap();
+        assert_eq!(written.as_table().unwrap().len(), RADIO_KEYS.len());
         // Every step has an example.
         let unknown = Scenario::parse("[[mission]]\ndo = \"\"", "none").unwrap_err().0;
         for step in unknown.split('`').skip(3).step_by(2) {

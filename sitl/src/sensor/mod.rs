@@ -3,9 +3,11 @@
 mod errors;
 mod faulty;
 mod line;
+mod pilot;
 mod station;
 
 pub use line::NEWTON_PER_COUNT;
+pub use pilot::PilotRadio;
 
 use crate::plant::{GRAVITY, Plant, V3, generator, normal};
 use crate::scenario::{FaultKind, Faults, Scenario, SensorSection};
@@ -64,6 +66,8 @@ pub struct SensorSuite {
     /// At the vehicle's end of the line.
     at_vehicle: LineSensors,
     station: StationSensors,
+    /// A pilot's radio, where the scenario has one.
+    pub pilot: Option<PilotRadio>,
     encoder: EncoderFault,
     /// Of this millisecond's inertial sample.
     arrival: Arrival,
@@ -95,6 +99,7 @@ impl SensorSuite {
             slow: SlowDevices::new(FakeDps310::new(clock.clone()), range, pins),
             station: StationSensors::new(&scenario.station, &mut generator(seed, 4)),
             at_vehicle: LineSensors::new(scenario, &clock, seed),
+            pilot: PilotRadio::new(scenario, &clock),
             winch: None,
             encoder: EncoderFault::default(),
             arrival: Arrival::Never,
@@ -150,6 +155,9 @@ impl SensorSuite {
             self.expose_barometer(plant, faults, time);
         }
         self.expose_range(plant, faults, time);
+        if let Some(pilot) = &mut self.pilot {
+            pilot.expose(faults, time);
+        }
         let (voltage, current) = self.slow.battery.pins_mut();
         let shown = plant.battery.voltage() + faults.added(FaultKind::VoltageOffset, time);
         voltage.set_volts(shown.max(0.0) / VOLTS_PER_VOLT);
@@ -199,6 +207,9 @@ impl SensorSuite {
             ..RawSensors::default()
         };
         self.slow.poll(at, &mut sensors);
+        if let Some(pilot) = &mut self.pilot {
+            pilot.read(at, &mut sensors);
+        }
         self.at_vehicle.read(at, &mut sensors.line);
         sensors
     }

@@ -174,12 +174,18 @@ fault_kinds! {
     VoltageOffset "voltage_offset" ["V"] 0.0, in -60.0 ..= 60.0;
     /// Nothing comes up the line.
     SupplyLost "supply_lost";
-    /// Nothing from the ground station or the pilot arrives; see `Faults::cuts`.
+    /// Nothing from the ground station or its joystick arrives; see `Faults::cuts`.
     LinkLost "link_lost";
     /// A share of what ground station and pilot send never arrives.
     LinkLoss "link_loss" or "link_dropped" [""] 0.0, in 0.0 ..= 1.0;
     /// What ground station and pilot send arrives late.
     LinkDelay "link_delay" or "link_delayed" ["s"] 0.0, in 0.0 ..= 60.0;
+    /// The receiver of the pilot's radio is silent.
+    RadioLost "radio_lost";
+    /// The receiver has lost the pilot: it says so, and goes on with the last channels.
+    RadioFailsafe "radio_failsafe";
+    /// A share of the bits between receiver and vehicle turn.
+    RadioNoise "radio_noise" [""] 0.0, in 0.0 ..= 0.5;
     /// No motion capture.
     CaptureLost "capture_lost";
     /// Motion capture tracks the vehicle, not the rod.
