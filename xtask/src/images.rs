@@ -48,7 +48,7 @@ pub const IMAGES: [Image; 5] = [
         target: M4F,
         flight: "CAN1_SCE",
         chip: "STM32F405RG",
-        flash: 404 * KIB,
+        flash: 420 * KIB,
         ram: 64 * KIB,
     },
     Image {
@@ -59,7 +59,7 @@ pub const IMAGES: [Image; 5] = [
         target: M4F,
         flight: "CAN1_SCE",
         chip: "STM32F405RG",
-        flash: 256 * KIB,
+        flash: 270 * KIB,
         ram: 64 * KIB,
     },
     Image {
@@ -70,7 +70,7 @@ pub const IMAGES: [Image; 5] = [
         target: M4F,
         flight: "CAN1_SCE",
         chip: "STM32F405RG",
-        flash: 404 * KIB,
+        flash: 420 * KIB,
         ram: 64 * KIB,
     },
     Image {
@@ -81,7 +81,7 @@ pub const IMAGES: [Image; 5] = [
         target: M4F,
         flight: "FDCAN1_IT0",
         chip: "STM32H743VI",
-        flash: 420 * KIB,
+        flash: 434 * KIB,
         ram: 80 * KIB,
     },
     Image {
