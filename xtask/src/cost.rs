@@ -24,7 +24,7 @@ const LIMITS: [(&str, &str, &str, u32); 15] = [
     (M4F, "4-state filter, 5 rows", "f32", 2_500),
     (M4F, "attitude law", "f32", 800),
     (M4F, "high-gain observer and force law", "f32", 3_000),
-    (M4F, "whole Vehicle::step, board.toml", "f32", 12_500),
+    (M4F, "whole Vehicle::step, board.toml", "f32", 12_700),
     (M4F, "whole Vehicle::step, angle.toml", "f32", 12_500),
     (M4F, "whole Vehicle::step, taut.toml", "f32", 12_500),
     (M3, "attitude filter", "Q16", 5_000),
