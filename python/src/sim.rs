@@ -2,7 +2,7 @@
 
 use crate::input::{self, wrong};
 use crate::observe::observation;
-use crate::sensors::Gathered;
+use crate::sensors::sensors;
 use crate::truth::truth;
 use pyo3::exceptions::{PyRuntimeError, PyTypeError};
 use pyo3::prelude::*;
@@ -10,7 +10,7 @@ use pyo3::types::{PyBytes, PyDict};
 use pythonize::pythonize;
 use tautline_firmware::param::{META, Params};
 use tautline_firmware::signal::PerRotor;
-use tautline_sitl::flight::{Flight, Hand, Progress};
+use tautline_sitl::flight::{Flight, Gathered, Hand, Progress};
 use tautline_sitl::scenario::{FaultKind, Step, set_param, standard_mission};
 
 /// Simulated ms between two looks for Ctrl-C: a fraction of a real one.
@@ -166,8 +166,8 @@ impl Sim {
 
     /// Since the last call; the first only begins.
     fn sensors<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let gathered = self.gathered.replace(Gathered::default()).unwrap_or_default();
-        gathered.tell(py, self.time(), self.flight.output())
+        let read = self.gathered.get_or_insert_default().read(self.flight.output());
+        sensors(py, self.time(), &read)
     }
 
     /// Texts of the vehicle since the last call, with their times, s.

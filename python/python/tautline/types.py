@@ -122,6 +122,8 @@ class Sensors(TypedDict):
     """Line outside by the winch's encoder, m."""
     thrust: float
     """Of all rotors by the motor model, N."""
+    velocity: Vector | None
+    """(3,) over the ground by optical flow, body axes, m/s."""
     line_direction: Vector | None
     """(3,) from the vehicle down the line, body axes."""
     line_tension: float | None
@@ -132,6 +134,8 @@ class Sensors(TypedDict):
     """(3,) from the station up the line, NED."""
     magnetic: Vector | None
     """(3,) body axes, µT."""
+    winch_tension: float
+    """Asked of the winch, where there is one, N."""
     battery_voltage: float | None
     """V."""
 

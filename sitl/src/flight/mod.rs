@@ -10,6 +10,7 @@ mod hand;
 mod mavlink_sender;
 mod mission;
 mod physics;
+mod readings;
 mod recorder;
 mod recorder_inputs;
 mod shadow;
@@ -25,8 +26,9 @@ pub use hand::Hand;
 pub use mavlink_sender::MavlinkSender;
 pub use mission::{MissionRunner, Progress};
 pub use physics::{Address, Physics};
+pub use readings::{Gathered, Readings};
 pub use recorder::{Origin, Recorder, quaternion};
-pub use shadow::Shadow;
+pub use shadow::{Shadow, ShadowEstimators};
 #[cfg(feature = "cli")]
 pub use topics::topics_page;
 pub use verdict::FlightVerdict;
