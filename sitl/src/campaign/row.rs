@@ -134,7 +134,7 @@ pub fn content_hash(header: &Header, rows: &[Row]) -> String {
     hexadecimal(&hash.finalize())
 }
 
-pub(super) fn hexadecimal(bytes: &[u8]) -> String {
+pub(crate) fn hexadecimal(bytes: &[u8]) -> String {
     bytes.iter().fold(String::new(), |mut text, byte| {
         let _ = write!(text, "{byte:02x}");
         text

@@ -8,6 +8,7 @@ use parquet::file::properties::WriterProperties;
 use parquet::file::writer::{SerializedFileWriter, SerializedRowGroupWriter};
 use parquet::schema::types::{Type, TypePtr};
 use std::fs::File;
+use std::io::Write;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -29,7 +30,7 @@ fn write(file: File, header: &Header, rows: &[&Row]) -> Result<(), ParquetError>
     let every = |of: fn(&Row) -> Cell| rows.iter().map(|row| Some(of(row))).collect::<Vec<_>>();
     for of in [|row: &Row| row.index, |row: &Row| row.seed] {
         let values: Vec<_> = rows.iter().map(|row| Some(of(row) as i64)).collect();
-        column::<Int64Type>(&mut group, &values, true)?;
+        column::<Int64Type, _>(&mut group, &values, true)?;
     }
     for (i, of) in header.varied.iter().enumerate() {
         let cells: Vec<_> = rows.iter().map(|row| row.varied.get(i).cloned().flatten()).collect();
@@ -92,24 +93,25 @@ fn cell_column(
     match kind {
         Kind::Flag => {
             let flags = each(cells, |cell| if let Cell::Flag(x) = cell { Some(*x) } else { None });
-            column::<BoolType>(group, &flags, is_required)
+            column::<BoolType, _>(group, &flags, is_required)
         }
         Kind::Number => {
             let numbers =
                 each(cells, |cell| if let Cell::Number(x) = cell { Some(*x) } else { None });
-            column::<DoubleType>(group, &numbers, is_required)
+            column::<DoubleType, _>(group, &numbers, is_required)
         }
         Kind::Text => {
             let texts = each(cells, |cell| {
                 if let Cell::Text(x) = cell { Some(ByteArray::from(x.as_str())) } else { None }
             });
-            column::<ByteArrayType>(group, &texts, is_required)
+            column::<ByteArrayType, _>(group, &texts, is_required)
         }
     }
 }
 
-fn column<T: DataType>(
-    group: &mut SerializedRowGroupWriter<'_, File>,
+/// The next column of a group.
+pub(crate) fn column<T: DataType, W: Write + Send>(
+    group: &mut SerializedRowGroupWriter<'_, W>,
     values: &[Option<T::T>],
     is_required: bool,
 ) -> Result<(), ParquetError> {

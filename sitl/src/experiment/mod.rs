@@ -27,6 +27,7 @@ mod thrust;
 mod thrust_flight;
 mod which_sensor;
 
+pub use flown::why_lost;
 pub use report::{Band, Compare, Line, Picture, Report, Source};
 
 use crate::bench::planar::PlanarScenario;
