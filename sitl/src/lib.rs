@@ -24,6 +24,7 @@
 //! | [`replay`] | a log's inputs through the firmware's step again |
 //! | [`sysid`] | thrust identification |
 //! | [`experiment`] | the papers' results |
+//! | [`tautbench`] | estimators beside each other, over flights with their truth |
 //! | [`command`] | the command line |
 //!
 //! Without the feature `cli` only what one flight needs is built, also for `wasm32-unknown-unknown`.
@@ -54,6 +55,8 @@ pub mod scenario;
 pub mod sensor;
 #[cfg(feature = "cli")]
 pub mod sysid;
+#[cfg(feature = "cli")]
+pub mod tautbench;
 #[cfg(feature = "cli")]
 pub mod ulog;
 pub mod view;

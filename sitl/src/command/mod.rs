@@ -23,6 +23,7 @@ mod scenario;
 mod speed;
 mod status;
 mod sysid;
+mod tautbench;
 
 use crate::flight::topics_page;
 use crate::scenario::params_file;
@@ -75,6 +76,8 @@ enum Command {
     Export(export::Options),
     /// Draw a log.
     Plot(plot::Options),
+    /// Measure estimators on a tether: flights, truth, scores, one table.
+    Tautbench(tautbench::Options),
     /// Print a scenario with every key, or check one.
     Scenario(scenario::Options),
     /// Print every topic of a log with its fields and units.
@@ -126,6 +129,7 @@ pub fn run() -> ExitCode {
         Some(Command::Replay(options)) => replay::run(&options),
         Some(Command::Export(options)) => export::run(&options),
         Some(Command::Plot(options)) => plot::run(&options),
+        Some(Command::Tautbench(options)) => tautbench::run(&options),
         Some(Command::Scenario(options)) => scenario::run(&options),
         Some(Command::Topics) => {
             say!("{}", topics_page().trim_end());
