@@ -7,6 +7,7 @@ mod plant;
 mod sensors;
 mod sim;
 mod table;
+mod tautbench;
 mod truth;
 
 use pyo3::prelude::*;
@@ -23,4 +24,6 @@ mod _native {
     use super::sim::Sim;
     #[pymodule_export]
     use super::table::tables;
+    #[pymodule_export]
+    use super::tautbench::{TautBench, tautbench_summary};
 }

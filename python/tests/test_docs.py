@@ -44,6 +44,7 @@ def test_the_document_has_examples_of_everything() -> None:
         "controller=",
         "estimator=",
         "campaign.run(",
+        "tautbench.score(",
     ):
         assert name in text, name
 
