@@ -86,9 +86,10 @@ fn elevation_azimuth_and_length_make_a_place() {
     for flight in &score.flights {
         assert!((flight.errors.elevation_rms_rad.unwrap() - 0.02).abs() < 1e-9);
         assert!(flight.errors.azimuth_rms_rad.unwrap() < 1e-9);
-        // 0.02 rad on some three metres.
+        // 0.02 rad on three metres of the fixed line, on eight of the winch's.
+        let want = if flight.cell.contains("fixed") { 0.06 } else { 0.16 };
         let off = flight.errors.position_rms_m.unwrap();
-        assert!((0.03..0.09).contains(&off), "{off}");
+        assert!((off - want).abs() < 0.01, "{off}");
     }
 }
 
@@ -108,7 +109,7 @@ fn who_runs_away_or_falls_silent_is_lost() {
     });
     for flight in &silent.flights {
         assert!(flight.errors.lost && flight.errors.answered < 0.5, "{flight:?}");
-        assert!(flight.errors.position_rms_m.unwrap_or(0.0) < 1e-9, "what it said was right");
+        assert!(flight.errors.position_rms_m.unwrap_or(0.0) < 0.02, "what it said was right");
     }
 }
 

@@ -102,6 +102,9 @@ fn generate_data(options: &Generate) -> Result<(), Failure> {
             say!("{}: {why}", flight.name);
         }
     }
+    for flight in &manifest.left_out {
+        say!("{}: left out: {}", flight.name, flight.ended);
+    }
     say!("Data: {}", options.out.display());
     Ok(())
 }

@@ -2,7 +2,7 @@
 
 use super::columns::Table;
 use super::grid::{Cell, Grid};
-use super::record::{Recorded, record};
+use super::record::{Recorded, has_scored, record};
 use crate::campaign::{hexadecimal, parallel};
 use crate::scenario::{Scenario, TetherKind};
 use serde::{Deserialize, Serialize};
@@ -24,6 +24,18 @@ pub struct Manifest {
     pub revision: Option<String>,
     /// In the order of the grid, then of the seeds.
     pub flights: Vec<FlightEntry>,
+    /// Without a moment that is scored: a take-off that failed.
+    pub left_out: Vec<Unscored>,
+}
+
+/// A flight that is not part of the data.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Unscored {
+    /// As of the others.
+    pub name: String,
+    /// What became of it.
+    pub ended: String,
 }
 
 /// One flight.
@@ -115,13 +127,20 @@ pub fn generate(
         cells.iter().flat_map(|cell| (1..=settings.seeds).map(move |seed| (*cell, seed))).collect();
     let fly = |(cell, seed): &(&Cell, u64)| write_flight(cell, *seed, settings);
     let flown = parallel::map(&flights, settings.jobs, fly, |entry| {
-        each(entry.as_ref().is_ok_and(|entry| entry.ended.is_none()));
+        each(matches!(entry, Ok(Flown::Scored(entry)) if entry.ended.is_none()));
     });
-    let manifest = Manifest {
+    let mut manifest = Manifest {
         format: FORMAT,
         revision: Some(env!("TAUTLINE_REVISION").to_owned()).filter(|r| !r.is_empty()),
-        flights: flown.into_iter().collect::<Result<_, _>>()?,
+        flights: Vec::new(),
+        left_out: Vec::new(),
     };
+    for flight in flown {
+        match flight? {
+            Flown::Scored(entry) => manifest.flights.push(*entry),
+            Flown::Unscored(flight) => manifest.left_out.push(flight),
+        }
+    }
     let text = serde_json::to_string_pretty(&manifest).map_err(|e| e.to_string())?;
     write(&out.join(MANIFEST), format!("{text}\n").as_bytes())?;
     Ok(manifest)
@@ -139,9 +158,17 @@ pub fn readings_file(recorded: &Recorded) -> Result<Vec<u8>, String> {
     recorded.readings.to_parquet(true).map_err(|e| e.to_string())
 }
 
-fn write_flight(cell: &Cell, seed: u64, settings: &Settings) -> Result<FlightEntry, String> {
+enum Flown {
+    Scored(Box<FlightEntry>),
+    Unscored(Unscored),
+}
+
+fn write_flight(cell: &Cell, seed: u64, settings: &Settings) -> Result<Flown, String> {
     let name = format!("{}-{seed}", cell.name);
     let recorded = record(cell, seed).map_err(|e| format!("{name}: {e}"))?;
+    if !has_scored(&recorded.truth) {
+        return Ok(Flown::Unscored(Unscored { name, ended: recorded.why.unwrap_or_default() }));
+    }
     let scenario = toml::to_string(&cell.scenario).map_err(|e| format!("{name}: {e}"))?;
     let readings = readings_file(&recorded)?;
     let truth = recorded.truth.to_parquet(false).map_err(|e| e.to_string())?;
@@ -151,7 +178,7 @@ fn write_flight(cell: &Cell, seed: u64, settings: &Settings) -> Result<FlightEnt
     if settings.logs {
         write(&at("ulg"), &recorded.log)?;
     }
-    Ok(FlightEntry {
+    Ok(Flown::Scored(Box::new(FlightEntry {
         cell: cell.name.clone(),
         group: cell.group.clone(),
         seed,
@@ -162,7 +189,7 @@ fn write_flight(cell: &Cell, seed: u64, settings: &Settings) -> Result<FlightEnt
         readings_sha256: sha256(&readings),
         truth_sha256: sha256(&truth),
         name,
-    })
+    })))
 }
 
 const READINGS: &str = "readings.parquet";

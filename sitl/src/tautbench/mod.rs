@@ -16,7 +16,9 @@ mod score;
 mod table;
 
 pub use columns::{TIME, Table};
-pub use data::{About, DataSet, FlightEntry, Manifest, Settings, generate, readings_file, sha256};
+pub use data::{
+    About, DataSet, FlightEntry, Manifest, Settings, Unscored, generate, readings_file, sha256,
+};
 pub use errors::{Errors, compare};
 pub use estimates::{Estimate, Estimates, columns};
 pub use grid::{Cell, Grid, LeftOut, SAMPLE};

@@ -124,7 +124,13 @@ pub fn one(score: &Score) -> String {
 #[must_use]
 pub fn page(data: &DataSet, grid: &Grid, scores: &[(Method, Score)]) -> String {
     let flights = &data.manifest.flights;
-    let mut text = format!("{} flights.\n\n", flights.len());
+    let ended = flights.iter().filter(|flight| flight.ended.is_some()).count();
+    let mut text = format!(
+        "{} flights, of which {ended} did not end as they were to: a cut line, a vehicle that is lost. {} more have no \
+         moment that is scored, since their take-off failed, and are left out.\n\n",
+        flights.len(),
+        data.manifest.left_out.len()
+    );
     overall(&mut text, scores.iter().map(|(_, score)| score));
     for quantity in QUANTITIES.iter().filter(|quantity| !quantity.name.starts_with('a')) {
         let gives = |score: &Score| score.cells.iter().any(|cell| (quantity.cell)(cell).is_some());

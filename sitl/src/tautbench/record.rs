@@ -111,6 +111,11 @@ pub fn record(cell: &Cell, seed: u64) -> Result<Recorded, String> {
     Ok(Recorded { readings, truth, log, why })
 }
 
+/// Whether anything of a table of the truth counts.
+pub fn has_scored(truth: &Table) -> bool {
+    truth.rows.iter().any(|row| row.last().copied().flatten().is_some_and(|scored| scored > 0.5))
+}
+
 /// Of a step, counted from 1, s.
 pub fn time_s(step: u64) -> f64 {
     step as f64 / 1000.0
