@@ -12,6 +12,7 @@ mod params;
 mod python;
 mod reach;
 mod speed;
+mod tautbench;
 mod topics;
 mod view;
 
@@ -41,6 +42,7 @@ const USAGE: &str = "usage: cargo xtask TASK
   figures        measure the figures of README and docs/, write docs/figures.json and the tables that say them, in a
                  quarter of an hour; --only COMMAND measures what that command does, as `sitl experiment fixed-point`;
                  --fill measures nothing; --check compares tables, file and a few figures, with --full all of them
+  tautbench      fly every cell of TautBench, run the firmware's methods over them, write the table of docs/tautbench.md
   view           bundle the page of `cargo sitl --view` with Node.js, and target/view/ with the simulator inside as
                  WebAssembly; --check only compares the page; --test flies both in Debian's chromium
   python         build the Python package into an environment under target/, run its types, tests and notebook
@@ -77,6 +79,7 @@ fn main() -> ExitCode {
         ["figures", "--only", command] => figures::write(Some(command)),
         ["figures", "--check"] => figures::check(false),
         ["figures", "--check", "--full"] => figures::check(true),
+        ["tautbench"] => tautbench::write(),
         ["view"] => view::build(),
         ["view", "--check"] => view::check(),
         ["view", "--test"] => view::test(),

@@ -22,7 +22,7 @@ pub fn measure(source: &str) -> Result<Figures, String> {
 }
 
 /// What it prints, and whether all was as it should be.
-fn sitl(arguments: &[&str]) -> Result<(String, bool), String> {
+pub fn sitl(arguments: &[&str]) -> Result<(String, bool), String> {
     run("cargo", &["build", "--release", "--locked", "--quiet", "-p", "tautline-sitl"])?;
     eprintln!("\n== sitl {}", arguments.join(" "));
     let out = Command::new(root().join("target/release/sitl"))

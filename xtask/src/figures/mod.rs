@@ -9,6 +9,7 @@ mod template;
 
 use crate::{Outcome, root};
 use measure::measure;
+pub use measure::sitl;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -17,7 +18,6 @@ use template::{Place, fill, places};
 const FILE: &str = "docs/figures.json";
 const TEMPLATES: &str = "xtask/figures";
 const README: &str = "README.md";
-const END: &str = "<!-- /figures -->";
 /// What the thin check measures anew, in half a minute.
 const QUICK: [&str; 2] = ["sitl campaign calm", "sitl experiment thrust-flight"];
 
@@ -179,18 +179,18 @@ fn renewed(page: &Path, text: &str, templates: &[Template], all: &All) -> Result
         let template = templates.iter().find(|template| template.name == name);
         let template = template.ok_or_else(|| named("no such table".into()))?;
         let table = fill(&template.text, all).map_err(named)?;
-        new = replaced(&new, name, &table).map_err(named)?;
+        new = replaced(&new, "figures", name, &table).map_err(named)?;
     }
     Ok(new)
 }
 
-/// The text with another table between the markers of this name.
-fn replaced(text: &str, name: &str, table: &str) -> Result<String, String> {
-    let begin = format!("<!-- figures:{name} -->\n");
-    let missing = || format!("no {} … {END}", begin.trim());
+/// The text with another table between the marks `<!-- KIND:NAME -->` and `<!-- /KIND -->`.
+pub fn replaced(text: &str, kind: &str, name: &str, table: &str) -> Result<String, String> {
+    let (begin, end) = (format!("<!-- {kind}:{name} -->\n"), format!("<!-- /{kind} -->"));
+    let missing = || format!("no {} … {end}", begin.trim());
     let (before, rest) = text.split_once(&begin).ok_or_else(missing)?;
-    let (_, after) = rest.split_once(END).ok_or_else(missing)?;
-    Ok(format!("{before}{begin}\n{}\n\n{END}{after}", table.trim_end()))
+    let (_, after) = rest.split_once(&end).ok_or_else(missing)?;
+    Ok(format!("{before}{begin}\n{}\n\n{end}{after}", table.trim_end()))
 }
 
 #[cfg(test)]
@@ -200,10 +200,10 @@ mod tests {
     #[test]
     fn only_what_stands_between_the_markers_is_replaced() {
         let text = "a\n<!-- figures:x -->\nold\n<!-- /figures -->\nb\n";
-        let new = replaced(text, "x", "new\n").unwrap_or_default();
+        let new = replaced(text, "figures", "x", "new\n").unwrap_or_default();
         assert_eq!(new, "a\n<!-- figures:x -->\n\nnew\n\n<!-- /figures -->\nb\n");
-        assert_eq!(replaced(&new, "x", "new\n").as_deref(), Ok(new.as_str()));
-        assert!(replaced(text, "y", "new").is_err());
+        assert_eq!(replaced(&new, "figures", "x", "new\n").as_deref(), Ok(new.as_str()));
+        assert!(replaced(text, "figures", "y", "new").is_err());
         assert_eq!(marked(text), ["x"]);
     }
 
