@@ -103,7 +103,7 @@ pub struct Settings {
     pub out: PathBuf,
     /// Flights of a cell.
     pub seeds: u64,
-    /// Also each flight's log, ten times as large as the rest.
+    /// Also each flight's log, some 25 times as large as the rest.
     pub logs: bool,
     /// Flights at the same time.
     pub jobs: usize,
