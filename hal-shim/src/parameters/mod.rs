@@ -1,4 +1,4 @@
-//! Parameters in flash: one item per name, wear-levelled, whole after a power cut.
+//! Parameters in flash, and the few things that are kept beside them: one item per name, wear-levelled, whole after a power cut.
 //!
 //! [`ParameterStore`] keeps the newest value of each name in a map of `sequential-storage`: items are appended with
 //! a checksum, and a full page moves what is still current to the next. A cut in the middle of a write loses that
@@ -20,7 +20,10 @@ use sequential_storage::map::{MapConfig, MapStorage};
 /// Name of a parameter, padded with zeros.
 pub type Name = [u8; 16];
 
-/// Name, value and header of one item, rounded up to the widest flash word.
+/// Most bytes of a value: with the name two of the widest flash words.
+pub const MOST_BYTES: usize = BUFFER - size_of::<Name>();
+
+/// Name and value of one item, rounded up to the widest flash word.
 const BUFFER: usize = 64;
 
 /// Why a value was not stored or read.
@@ -81,7 +84,8 @@ impl<F: NorFlash> ParameterStore<F> {
         Ok(Self { map, buffer: [0; BUFFER] })
     }
 
-    /// Every value ever stored that is still there, oldest first: the last of a name counts.
+    /// Every value ever stored that is still there, oldest first: the last of a name counts. What was stored as bytes is
+    /// left out.
     ///
     /// # Errors
     /// [`StorageError`]; what came before it is good.
@@ -89,8 +93,10 @@ impl<F: NorFlash> ParameterStore<F> {
         let (map, buffer) = (&mut self.map, &mut self.buffer);
         let all = async {
             let mut items = map.fetch_all_items(buffer).await?;
-            while let Some((name, value)) = items.next::<f32>(buffer).await? {
-                each(&name, value);
+            while let Some((name, value)) = items.next::<&[u8]>(buffer).await? {
+                if let Ok(value) = value.try_into() {
+                    each(&name, f32::from_le_bytes(value));
+                }
             }
             Ok(())
         };
@@ -103,6 +109,26 @@ impl<F: NorFlash> ParameterStore<F> {
     /// [`StorageError`]; the old value is still there.
     pub fn store(&mut self, name: &Name, value: f32) -> Result<(), StorageError<F::Error>> {
         now(self.map.store_item(&mut self.buffer, name, &value))?.map_err(said)
+    }
+
+    /// The bytes that were last stored under a name; `None` if none were, or another number of them.
+    ///
+    /// # Errors
+    /// [`StorageError`].
+    pub fn load_bytes<const N: usize>(
+        &mut self,
+        name: &Name,
+    ) -> Result<Option<[u8; N]>, StorageError<F::Error>> {
+        let found = now(self.map.fetch_item::<&[u8]>(&mut self.buffer, name))?.map_err(said)?;
+        Ok(found.and_then(|bytes| bytes.try_into().ok()))
+    }
+
+    /// Stores bytes, up to [`MOST_BYTES`], whole or not at all. May erase a page.
+    ///
+    /// # Errors
+    /// [`StorageError`]; the old ones are still there.
+    pub fn store_bytes(&mut self, name: &Name, bytes: &[u8]) -> Result<(), StorageError<F::Error>> {
+        now(self.map.store_item(&mut self.buffer, name, &bytes))?.map_err(said)
     }
 
     /// Forgets everything.
