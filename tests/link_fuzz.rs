@@ -17,7 +17,7 @@ use tautline_sitl::plant::{Generator, generator, uniform};
 use tautline_tests::{HOLD, flight, run, until};
 
 /// Every message that the link reads, and where its target stands.
-const READ: [(u32, Option<usize>); 38] = [
+const READ: [(u32, Option<usize>); 39] = [
     (mav::HEARTBEAT_DATA::ID, None),
     (mav::COMMAND_LONG_DATA::ID, Some(30)),
     (mav::COMMAND_INT_DATA::ID, Some(30)),
@@ -56,6 +56,7 @@ const READ: [(u32, Option<usize>); 38] = [
     (mav::SET_GPS_GLOBAL_ORIGIN_DATA::ID, Some(12)),
     (mav::REQUEST_EVENT_DATA::ID, Some(4)),
     (mav::CHANGE_OPERATOR_CONTROL_DATA::ID, None),
+    (mav::SETUP_SIGNING_DATA::ID, Some(8)),
 ];
 
 /// Every command that means something to the link.
@@ -392,5 +393,6 @@ fn a_strangers_frames_in_flight_change_nothing() {
     assert!(is_finite(flight.output()));
     assert_eq!(*flight.world.vehicle.params(), params);
     assert!(flight.world.environment.active_faults().is_empty());
+    assert!(flight.world.links.signing.is_none());
     println!("{sent} frames, {heard} for the vehicle");
 }

@@ -5,27 +5,12 @@ use mavlink::dialects::common as mav;
 use sha2::{Digest, Sha256};
 use tautline_firmware::mavlink::{Sender, Signing};
 use tautline_sitl::flight::Flight;
-use tautline_tests::{flight, run};
+use tautline_tests::{flight, run, signed};
 
 const KEY: [u8; 32] = [7; 32];
 const WRONG: [u8; 32] = [8; 32];
 /// Tens of µs since 2015.
 const NOW: u64 = 37_000_000_000_000;
-
-fn signed(frame: &[u8], key: &[u8; 32], timestamp: u64) -> Vec<u8> {
-    let mut frame = frame.to_vec();
-    frame[2] = 1;
-    let end = frame.len() - 2;
-    frame.truncate(end);
-    let extra = if frame[7] == 0 { 50 } else { 152 };
-    let crc = mavlink::calculate_crc(&frame[1..], extra);
-    frame.extend(crc.to_le_bytes());
-    frame.push(3);
-    frame.extend(&timestamp.to_le_bytes()[..6]);
-    let hash = Sha256::new().chain_update(key).chain_update(&frame).finalize();
-    frame.extend(&hash[..6]);
-    frame
-}
 
 fn guarded(signing: Signing) -> (Flight<Vec<u8>>, Station) {
     let mut flight = flight("", 1);
@@ -135,4 +120,55 @@ fn what_the_vehicle_says_is_signed_and_its_time_grows() {
         }
     }
     assert!(last > NOW);
+}
+
+#[test]
+fn over_a_network_nobody_sets_a_key_and_who_tries_is_told() {
+    let set = mav::SETUP_SIGNING_DATA {
+        initial_timestamp: NOW,
+        target_system: 1,
+        target_component: 1,
+        secret_key: WRONG,
+    };
+    let mut flight = flight("", 1);
+    let mut station = Station::new(255, 1);
+    station.beat(&mut flight);
+    station.say(&mut flight, &set);
+    station.run(&mut flight, 50);
+    assert_eq!(station.texts(), ["Signing key refused: by the USB cable only"]);
+    assert!(flight.world.links.signing.is_none());
+
+    let (mut flight, mut station) = guarded(Signing::new(KEY, NOW));
+    let frame = station.frame(&set);
+    station.say_bytes(&mut flight, &signed(&frame, &KEY, NOW + 1));
+    station.run(&mut flight, 50);
+    assert!(station.texts().contains(&"Signing key refused: by the USB cable only".to_owned()));
+    let arm = station.command_frame((400, 1), ARM);
+    assert_eq!(ask(&mut station, &mut flight, &signed(&arm, &WRONG, NOW + 2)), Some(2));
+    assert_eq!(ask(&mut station, &mut flight, &signed(&arm, &KEY, NOW + 3)), Some(0));
+}
+
+#[test]
+fn who_is_not_believed_is_told_why_where_they_are() {
+    let (mut flight, mut station) = guarded(Signing::new(KEY, NOW));
+    let mut other = Station::new(200, 2);
+    let set = mav::PARAM_SET_DATA {
+        param_value: 2.0,
+        target_system: 1,
+        target_component: 1,
+        param_id: "VEH_MASS".into(),
+        param_type: mav::MavParamType::MAV_PARAM_TYPE_REAL32,
+    };
+    for _ in 0..3 {
+        other.say(&mut flight, &set);
+        for _ in 0..3000 {
+            station.run(&mut flight, 1);
+            other.listen(&mut flight);
+        }
+    }
+    let count = |station: &Station| {
+        station.texts().iter().filter(|t| t.contains("not signed with this vehicle's key")).count()
+    };
+    assert_eq!((count(&other), count(&station)), (1, 0));
+    assert_eq!(flight.world.vehicle.params().mass.to_bits(), 1.5_f32.to_bits());
 }

@@ -29,6 +29,18 @@ const FAIRLEAD: &[u8] = b"fairlead";
 const LINE_LENGTH: usize = 8;
 const LINE_TENSION: usize = 16;
 
+/// Whether a message tells what others measure.
+pub(super) const fn is_measurement(id: u32) -> bool {
+    matches!(
+        id,
+        mav::ODOMETRY_DATA::ID
+            | mav::VISION_POSITION_ESTIMATE_DATA::ID
+            | mav::ATT_POS_MOCAP_DATA::ID
+            | mav::DEBUG_VECT_DATA::ID
+            | mav::WINCH_STATUS_DATA::ID
+    )
+}
+
 /// Heading of a quaternion `[w, x, y, z]`, rad; `None` if it is none.
 fn heading([w, x, y, z]: [f32; 4]) -> Option<f32> {
     let size = w * w + x * x + y * y + z * z;

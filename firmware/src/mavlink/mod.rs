@@ -8,6 +8,7 @@
 //! Per tick of the host: [`Connection::receive`] with whatever arrived, [`Connection::next_request`] into the
 //! step's input, [`Connection::transmit`] with the step's output.
 
+mod admission;
 mod budget;
 mod capture;
 mod checksum;
@@ -18,24 +19,19 @@ mod params;
 mod receive;
 mod schedule;
 mod services;
-#[cfg(feature = "signing")]
-mod signing;
-#[cfg(not(feature = "signing"))]
-#[path = "unsigned.rs"]
 mod signing;
 mod telemetry;
 
 pub use checksum::crc32;
 pub use frame::{Frame, Losses, MAX_FRAME, Parser, Signature};
-pub use signing::Signing;
-#[cfg(feature = "signing")]
-pub use signing::{KEY, Sender};
+pub use signing::{KEY, Kept, NewKey, RESERVE, Sender, Signing};
 
 use crate::param::Params;
 use crate::sense::RawSensors;
 use crate::signal::{Action, Event, Outcome, Reply, Request, Severity, Sticks, Ticket};
 use crate::time::{Micros, Sample};
 use crate::vehicle::StepOutput;
+use admission::Told;
 use budget::Budget;
 use command::Calibration;
 use heapless::Deque;
@@ -48,6 +44,9 @@ const KG_TO_N: f32 = 9.806_65;
 
 /// Where frames go.
 pub type Sink<'a> = &'a mut dyn FnMut(&[u8]);
+
+/// What somebody sends wrong again and again is told again after this time, µs.
+const TOLD_AGAIN_US: u64 = 5_000_000;
 
 /// Component id of the autopilot.
 pub const COMPONENT_AUTOPILOT: u8 = 1;
@@ -153,9 +152,15 @@ struct Session {
     metadata_crc: Option<u32>,
     identity: Identity,
     budget: Budget,
+    /// Its other end is a cable in its owner's hand.
+    is_local: bool,
+    /// As the last step said.
+    is_armed: bool,
     signing: Option<Signing>,
+    new_key: Option<NewKey>,
+    told: Told,
     calibration: Calibration,
-    /// When a set-point was last told to be wrong.
+    /// When it was last told that a stream is wrong.
     told_at: Option<Micros>,
     counters: ConnectionCounters,
     heartbeat_at: Option<Micros>,
@@ -200,8 +205,27 @@ impl Connection {
 
     /// With a key the connection believes only who holds it, and signs what it says; others may look. Several
     /// connections of one vehicle share it: each has it while it listens or speaks.
-    pub fn signing_mut(&mut self) -> &mut Option<Signing> {
-        &mut self.session.signing
+    pub fn with_key(&mut self, signing: &mut Option<Signing>, then: impl FnOnce(&mut Self)) {
+        core::mem::swap(signing, &mut self.session.signing);
+        then(self);
+        core::mem::swap(signing, &mut self.session.signing);
+    }
+
+    /// A cable in its owner's hand, USB: who holds it is believed unsigned, and sets the key.
+    #[must_use]
+    pub fn local(mut self) -> Self {
+        self.session.is_local = true;
+        self
+    }
+
+    /// A key that was set over the cable, once. Its host keeps it and then tells.
+    pub fn take_new_key(&mut self) -> Option<NewKey> {
+        self.session.new_key.take()
+    }
+
+    /// For whoever is at the other end, in its turn.
+    pub fn tell(&mut self, event: Event) {
+        self.session.queue_event(event);
     }
 
     /// A link that carries no more than a line of 57,600 baud, whatever rates are asked for.
@@ -285,7 +309,11 @@ impl Default for Session {
             metadata_crc: None,
             identity: Identity::default(),
             budget: Budget::default(),
+            is_local: false,
+            is_armed: false,
             signing: None,
+            new_key: None,
+            told: Told::default(),
             calibration: Calibration::default(),
             told_at: None,
             counters: ConnectionCounters::default(),
@@ -306,12 +334,8 @@ impl Session {
     fn transmit(&mut self, out: &StepOutput, params: &Params, sink: Sink) {
         self.system = params.system_id as u8;
         self.commander = out.commander;
-        for event in out.events.iter() {
-            if self.events.is_full() {
-                self.events.pop_front();
-            }
-            let _ = self.events.push_back(*event);
-        }
+        self.is_armed = out.is_armed;
+        out.events.iter().for_each(|event| self.queue_event(*event));
         if let Some(reply) = &out.reply {
             self.answer(reply, sink);
         }
@@ -336,6 +360,14 @@ impl Session {
         {
             self.send_message(id, &Outgoing { out, params, argument: 0 }, sink);
         }
+    }
+
+    /// The oldest makes room.
+    fn queue_event(&mut self, event: Event) {
+        if self.events.is_full() {
+            self.events.pop_front();
+        }
+        let _ = self.events.push_back(event);
     }
 
     /// Whether what goes out by itself may go now. A list of parameters on a narrow link is soon over.

@@ -3,9 +3,11 @@
 // MAVLink deprecates messages that today's clients still send and ask for.
 #![allow(deprecated)]
 
+use super::admission::Admission;
+use super::capture::is_measurement;
 use super::frame::Frame;
 use super::params::name_bytes;
-use super::{COMPONENT_AUTOPILOT, Session, Sink, global};
+use super::{COMPONENT_AUTOPILOT, Session, Sink, TOLD_AGAIN_US, global};
 use crate::param::Params;
 use crate::signal::{Action, Setpoint, Severity, Sticks};
 use crate::time::{Micros, Sample};
@@ -29,17 +31,17 @@ const IGNORE_ATTITUDE: u8 = 1 << 7;
 const RC_MIDDLE: f32 = 1500.0;
 const RC_HALF: f32 = 500.0;
 const RC_LOW: f32 = 1000.0;
-/// A wrong set-point is told again after this time, µs.
-const TOLD_AGAIN_US: u64 = 5_000_000;
 
 impl Session {
+    // Inlined it would be in an image twice, 9 KB.
+    #[inline(never)]
     pub(super) fn handle(&mut self, now: Micros, frame: &Frame, params: &Params, sink: Sink) {
         let is_own = frame.system == self.system && frame.component == COMPONENT_AUTOPILOT;
         // Nobody is system 0.
         if is_own || frame.system == 0 {
             return;
         }
-        let is_admitted = self.is_admitted(frame);
+        let admission = self.admit(frame);
         if let Some((system, component)) = target(frame) {
             let for_us = (system == 0 || system == self.system)
                 && (component == 0 || component == COMPONENT_AUTOPILOT);
@@ -49,11 +51,8 @@ impl Session {
             }
         }
         self.counters.received = self.counters.received.wrapping_add(1);
-        if !is_admitted {
-            if matches!(frame.id, mav::COMMAND_LONG_DATA::ID | mav::COMMAND_INT_DATA::ID) {
-                self.refuse_unsigned(frame, sink);
-            }
-            return;
+        if admission != Admission::Granted {
+            return self.turn_away(now, frame, admission, sink);
         }
         match frame.id {
             mav::HEARTBEAT_DATA::ID => {
@@ -94,11 +93,8 @@ impl Session {
                 self.global_target(now, frame, params, sink);
             }
             mav::SET_ATTITUDE_TARGET_DATA::ID => self.attitude_target(now, frame, sink),
-            mav::ODOMETRY_DATA::ID
-            | mav::VISION_POSITION_ESTIMATE_DATA::ID
-            | mav::ATT_POS_MOCAP_DATA::ID
-            | mav::DEBUG_VECT_DATA::ID
-            | mav::WINCH_STATUS_DATA::ID => self.measured(now, frame, params),
+            id if is_measurement(id) => self.measured(now, frame, params),
+            mav::SETUP_SIGNING_DATA::ID => self.set_key(now, frame, sink),
             mav::PING_DATA::ID => self.decode(frame, |session, m: &mav::PING_DATA| {
                 if m.target_system == 0 {
                     let pong = mav::PING_DATA {
@@ -118,19 +114,6 @@ impl Session {
             }),
             _ => self.serve(frame, sink),
         }
-    }
-
-    /// With a key, whether this one holds it, or only looks.
-    fn is_admitted(&mut self, frame: &Frame) -> bool {
-        let Some(signing) = &mut self.signing else { return true };
-        if signing.believes(frame) || only_reads(frame) {
-            return true;
-        }
-        // Everybody beats; who does not hold the key is not heard.
-        if frame.id != mav::HEARTBEAT_DATA::ID {
-            self.counters.unsigned = self.counters.unsigned.wrapping_add(1);
-        }
-        false
     }
 
     pub(super) fn ignore(&mut self) {
@@ -181,7 +164,7 @@ impl Session {
     /// Read by position: the crate refuses a type mask with unknown bits, which clients do send.
     fn position_target(&mut self, now: Micros, frame: &Frame, sink: Sink) {
         if frame.byte(52) != LOCAL_NED {
-            return self.refuse_target(now, "Set-point refused: frame is not LOCAL_NED", sink);
+            return self.refuse_aloud(now, "Set-point refused: frame is not LOCAL_NED", sink);
         }
         let mask = frame.word(48);
         let asked = |at: usize, bit: u16| (mask & bit == 0).then(|| frame.float(at));
@@ -194,7 +177,7 @@ impl Session {
         let datum = match frame.byte(52) {
             kind if GLOBAL.contains(&kind) => params.home_altitude,
             kind if GLOBAL_RELATIVE.contains(&kind) => 0.0,
-            _ => return self.refuse_target(now, "Set-point refused: unknown frame", sink),
+            _ => return self.refuse_aloud(now, "Set-point refused: unknown frame", sink),
         };
         let degrees = |at: usize| f64::from(frame.int(at)) * 1e-7;
         let asked = |bit: u16| mask & bit == 0;
@@ -220,7 +203,7 @@ impl Session {
         let says_nothing = ned.iter().chain(&axes).all(Option::is_none) && yaw.is_none();
         let is_finite = ned.iter().chain(&axes).flatten().chain(&yaw).all(|v| v.is_finite());
         if says_nothing || !is_finite {
-            return self.refuse_target(now, "Set-point refused: not a number", sink);
+            return self.refuse_aloud(now, "Set-point refused: not a number", sink);
         }
         let has_velocity = axes.iter().any(Option::is_some);
         let velocity = has_velocity.then(|| axes.map(Option::unwrap_or_default));
@@ -234,20 +217,20 @@ impl Session {
         let rate = [frame.float(20), frame.float(24), frame.float(28)];
         let is_finite = |values: &[f32]| values.iter().all(|x| x.is_finite());
         if mask & IGNORE_THRUST != 0 || !thrust.is_finite() {
-            return self.refuse_target(now, "Set-point refused: no thrust", sink);
+            return self.refuse_aloud(now, "Set-point refused: no thrust", sink);
         }
         let setpoint = if mask & IGNORE_ATTITUDE == 0 && is_finite(&quaternion) {
             Setpoint::Attitude { quaternion, thrust }
         } else if mask & IGNORE_RATES == 0 && is_finite(&rate) {
             Setpoint::Rates { rate, thrust }
         } else {
-            return self.refuse_target(now, "Set-point refused: neither attitude nor rates", sink);
+            return self.refuse_aloud(now, "Set-point refused: neither attitude nor rates", sink);
         };
         self.queue(frame, Action::Setpoint(setpoint));
     }
 
     /// A stream is wrong many times a second, and told once.
-    fn refuse_target(&mut self, now: Micros, text: &'static str, sink: Sink) {
+    pub(super) fn refuse_aloud(&mut self, now: Micros, text: &'static str, sink: Sink) {
         self.refuse();
         if self.told_at.is_none_or(|at| now.since(at) > TOLD_AGAIN_US) {
             self.told_at = Some(now);
@@ -257,7 +240,7 @@ impl Session {
 }
 
 /// Target system and component, for the messages that have them, by position.
-fn target(frame: &Frame) -> Option<(u8, u8)> {
+pub(super) fn target(frame: &Frame) -> Option<(u8, u8)> {
     let at = match frame.id {
         mav::COMMAND_LONG_DATA::ID | mav::COMMAND_INT_DATA::ID => 30,
         mav::PARAM_REQUEST_LIST_DATA::ID
@@ -278,6 +261,7 @@ fn target(frame: &Frame) -> Option<(u8, u8)> {
         | mav::MISSION_WRITE_PARTIAL_LIST_DATA::ID
         | mav::REQUEST_EVENT_DATA::ID
         | mav::LOG_REQUEST_LIST_DATA::ID => 4,
+        mav::SETUP_SIGNING_DATA::ID => 8,
         mav::LOG_REQUEST_DATA_DATA::ID => 10,
         mav::MISSION_ITEM_DATA::ID | mav::MISSION_ITEM_INT_DATA::ID => 32,
         mav::SET_POSITION_TARGET_LOCAL_NED_DATA::ID
@@ -292,26 +276,4 @@ fn target(frame: &Frame) -> Option<(u8, u8)> {
         _ => return None,
     };
     Some((frame.byte(at), frame.byte(at + 1)))
-}
-
-/// What anybody may ask: it tells, and changes nothing.
-fn only_reads(frame: &Frame) -> bool {
-    const GET_HOME: u16 = 410;
-    const ABOUT_MESSAGES: core::ops::RangeInclusive<u16> = 510..=512;
-    const VERSIONS: core::ops::RangeInclusive<u16> = 519..=520;
-    match frame.id {
-        mav::COMMAND_LONG_DATA::ID | mav::COMMAND_INT_DATA::ID => {
-            let command = frame.word(28);
-            command == GET_HOME || ABOUT_MESSAGES.contains(&command) || VERSIONS.contains(&command)
-        }
-        mav::PARAM_REQUEST_LIST_DATA::ID
-        | mav::PARAM_REQUEST_READ_DATA::ID
-        | mav::MISSION_REQUEST_LIST_DATA::ID
-        | mav::LOG_REQUEST_LIST_DATA::ID
-        | mav::LOG_REQUEST_DATA_DATA::ID
-        | mav::FILE_TRANSFER_PROTOCOL_DATA::ID
-        | mav::PING_DATA::ID
-        | mav::TIMESYNC_DATA::ID => true,
-        _ => false,
-    }
 }

@@ -2,7 +2,6 @@
 
 use super::services::{Files, Host, Services, general_crc};
 use std::collections::VecDeque;
-use std::mem::swap;
 use std::net::SocketAddr;
 use std::time::{Duration, Instant};
 use tautline_firmware::mavlink::{
@@ -176,10 +175,10 @@ impl Peer {
         let connection = &mut self.connection;
         let before = connection.counters().unsigned;
         let mut frames = Vec::new();
-        swap(signing, connection.signing_mut());
-        connection
-            .receive_datagram(now, datagram, params, &mut |frame| frames.push(frame.to_vec()));
-        swap(signing, connection.signing_mut());
+        connection.with_key(signing, |connection| {
+            connection
+                .receive_datagram(now, datagram, params, &mut |frame| frames.push(frame.to_vec()));
+        });
         let is_admitted = connection.counters().unsigned == before;
         frames.iter().for_each(|frame| self.write(frame));
         is_admitted
@@ -200,9 +199,9 @@ impl Peer {
     /// What the vehicle's step has to say to it.
     pub fn transmit(&mut self, out: &StepOutput, params: &Params, signing: &mut Option<Signing>) {
         let mut frames = Vec::new();
-        swap(signing, self.connection.signing_mut());
-        self.connection.transmit(out, params, &mut |frame| frames.push(frame.to_vec()));
-        swap(signing, self.connection.signing_mut());
+        self.connection.with_key(signing, |connection| {
+            connection.transmit(out, params, &mut |frame| frames.push(frame.to_vec()));
+        });
         frames.iter().for_each(|frame| self.write(frame));
     }
 

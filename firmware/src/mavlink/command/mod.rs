@@ -118,9 +118,10 @@ impl Session {
         self.send_message(wanted.id, &at, sink);
     }
 
-    /// Nobody who holds the key has sent this.
-    pub(super) fn refuse_unsigned(&mut self, frame: &Frame, sink: Sink) {
-        self.acknowledge(&frame.ticket(frame.word(28)), Answer::Denied, sink);
+    /// A command that is not read: by nobody who holds the key, or too early.
+    pub(super) fn reject(&mut self, frame: &Frame, for_good: bool, sink: Sink) {
+        let answer = if for_good { Answer::Denied } else { Answer::TemporarilyRejected };
+        self.acknowledge(&frame.ticket(frame.word(28)), answer, sink);
     }
 
     /// The old SET_MODE message; it has no acknowledgement of its own.
