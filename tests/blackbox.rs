@@ -111,7 +111,7 @@ impl Bench {
         let out = *Vehicle::<f32>::new(Params::default(), scale).step(&StepInput::default());
         // The dearest log is the hardest to keep up with.
         let params = Params { log_full: 1.0, ..Params::default() };
-        let comms = Comms::new(params, Identity::default(), None);
+        let comms = Comms::new(params, Identity::default(), None, None);
         Self { comms, queue, writer, out, told: Vec::new() }
     }
 

@@ -1,11 +1,12 @@
 //! MAVLink on every port, and the flight log: everything that only reads what the step said.
 
 use crate::inbox::Inbox;
+use crate::keys::KeyBox;
 use heapless::String;
 use tautline_firmware::log::{self, FlightLog};
-use tautline_firmware::mavlink::{Connection, Identity, is_to_reboot};
+use tautline_firmware::mavlink::{Connection, Identity, Kept, NewKey, Signing, is_to_reboot};
 use tautline_firmware::param::Params;
-use tautline_firmware::signal::Severity;
+use tautline_firmware::signal::{Event, Severity};
 use tautline_firmware::time::Micros;
 use tautline_firmware::vehicle::StepOutput;
 
@@ -20,6 +21,9 @@ pub struct Comms<const PORTS: usize> {
     told: [bool; PORTS],
     notice: Option<String<50>>,
     params: Params,
+    signing: Option<Signing>,
+    /// In force when it is kept.
+    new_key: Option<NewKey>,
     log: Log,
     reboot_at: Option<Micros>,
 }
@@ -36,20 +40,27 @@ struct Log {
 }
 
 impl<const PORTS: usize> Comms<PORTS> {
-    /// `notice` goes to everybody who connects: what was left of a crash, say.
+    /// `notice` goes to everybody who connects: what was left of a crash, say. `kept` is the signing key.
     #[must_use]
-    pub fn new(params: Params, identity: Identity, notice: Option<String<50>>) -> Self {
+    pub fn new(
+        params: Params,
+        identity: Identity,
+        notice: Option<String<50>>,
+        kept: Option<&Kept>,
+    ) -> Self {
         let connection = |port: usize| {
             let mut connection = Connection::of_link(port as u8);
             connection.identify(identity);
-            // The first is the console; behind it are serial lines.
-            if port == 0 { connection } else { connection.narrow() }
+            // The first is USB; behind it are serial lines, which may be radios.
+            if port == 0 { connection.local() } else { connection.narrow() }
         };
         Self {
             connections: core::array::from_fn(connection),
             told: [false; PORTS],
             notice,
             params,
+            signing: kept.and_then(Signing::resume),
+            new_key: None,
             log: Log::default(),
             reboot_at: None,
         }
@@ -58,10 +69,47 @@ impl<const PORTS: usize> Comms<PORTS> {
     /// Bytes that arrived at a port.
     pub fn receive(&mut self, port: usize, now: Micros, bytes: &[u8], out: Port) {
         if let Some(connection) = self.connections.get_mut(port) {
-            connection.receive(now, bytes, &self.params, &mut |frame| {
-                out(frame);
+            connection.with_key(&mut self.signing, |connection| {
+                connection.receive(now, bytes, &self.params, &mut |frame| {
+                    out(frame);
+                });
             });
         }
+    }
+
+    /// What of signing is to be in flash, and what came of it.
+    pub fn keep(&mut self, keys: &mut KeyBox, is_armed: bool) {
+        for new in self.connections.iter_mut().filter_map(Connection::take_new_key) {
+            let new = new.after(self.signing.as_ref());
+            keys.want(new.kept());
+            self.new_key = Some(new);
+        }
+        if let Some((kept, is_stored)) = keys.take_done() {
+            self.note_kept(&kept, is_stored);
+        }
+        let is_free = self.new_key.is_none() && !is_armed;
+        if let Some(kept) = self.signing.as_ref().and_then(Signing::to_keep).filter(|_| is_free) {
+            keys.want(kept);
+        }
+    }
+
+    fn note_kept(&mut self, kept: &Kept, is_stored: bool) {
+        let Some(new) = self.new_key.take_if(|new| new.kept() == *kept) else {
+            return match &mut self.signing {
+                Some(signing) if is_stored => signing.note_kept(kept),
+                Some(signing) => signing.keep_nothing(),
+                None => {}
+            };
+        };
+        let (severity, text) = if is_stored {
+            self.signing = new.in_force();
+            let is_on = self.signing.is_some();
+            (Severity::Info, if is_on { "Signing key set" } else { "Signing off" })
+        } else {
+            (Severity::Error, "Signing key not set: the flash fails")
+        };
+        let event = Event { severity, text, amount: None };
+        self.connections.iter_mut().for_each(|connection| connection.tell(event));
     }
 
     /// Hands over what the connections received.
@@ -86,13 +134,15 @@ impl<const PORTS: usize> Comms<PORTS> {
         let mut send = |frame: &[u8]| {
             sink(frame);
         };
-        connection.transmit(out, &self.params, &mut send);
-        if !*told && connection.heartbeat_at().is_some() {
-            *told = true;
-            if let Some(notice) = &self.notice {
-                connection.say(Severity::Critical, notice, &mut send);
+        connection.with_key(&mut self.signing, |connection| {
+            connection.transmit(out, &self.params, &mut send);
+            if !*told && connection.heartbeat_at().is_some() {
+                *told = true;
+                if let Some(notice) = &self.notice {
+                    connection.say(Severity::Critical, notice, &mut send);
+                }
             }
-        }
+        });
     }
 
     /// Whether it is time to start anew, as somebody asked: what was said of it has gone out.

@@ -12,7 +12,8 @@
 //! | [`comms`] | MAVLink on every port, and the flight log |
 //! | [`port`], [`serial`], [`usb`] | bytes between interrupts and the tasks that speak MAVLink |
 //! | [`recorder`], [`blackbox`] | the log: from task to card, and the card's files |
-//! | [`settings`] | parameters from flash at boot, and back when they change |
+//! | [`settings`] | parameters from flash at boot, and back when they change; the signing key beside them |
+//! | [`keys`] | the signing key between the task that hears it and the one that writes the flash |
 //! | [`crash`] | what is left of a panic or a fault after the reset |
 //! | [`status`] | what somebody on the ground wants to know of each step |
 //! | [`wire`] | how an emulated board asks its host |
@@ -24,6 +25,7 @@ pub mod blackbox;
 pub mod comms;
 pub mod crash;
 pub mod inbox;
+pub mod keys;
 pub mod line;
 pub mod port;
 pub mod radio;

@@ -1,13 +1,18 @@
-//! Parameters from flash at boot, and back when they change.
+//! Parameters from flash at boot, and back when they change; beside them the signing key, which is no parameter.
 
 use embedded_storage::nor_flash::NorFlash;
+use tautline_firmware::mavlink::Kept;
 use tautline_firmware::param::{META, Params};
 use tautline_hal_shim::parameters::{Name, ParameterStore, StorageError};
+
+/// Of the signing key. Names of parameters have no small letters.
+const KEY_NAME: &str = "signing key";
 
 /// The parameters and what of them is stored.
 pub struct Settings<F: NorFlash> {
     store: ParameterStore<F>,
     stored: Params,
+    kept: Option<Kept>,
 }
 
 /// What came of reading the flash at boot.
@@ -56,7 +61,23 @@ impl<F: NorFlash> Settings<F> {
             }
             other => other?,
         }
-        Ok((Self { store, stored }, loaded))
+        let key = store.load_bytes(&name_of(KEY_NAME))?;
+        let kept = key.as_ref().and_then(Kept::from_bytes);
+        Ok((Self { store, stored, kept }, loaded))
+    }
+
+    /// The signing key and its time, as they were at boot.
+    #[must_use]
+    pub fn kept(&self) -> Option<&Kept> {
+        self.kept.as_ref()
+    }
+
+    /// Stores a signing key and its time, both or neither. As [`Self::store_next`], on the ground.
+    ///
+    /// # Errors
+    /// [`StorageError`]; the old ones are still there.
+    pub fn keep(&mut self, kept: &Kept) -> Result<(), StorageError<F::Error>> {
+        self.store.store_bytes(&name_of(KEY_NAME), &kept.to_bytes())
     }
 
     /// As stored.

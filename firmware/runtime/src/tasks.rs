@@ -9,6 +9,7 @@
 use crate::comms::Comms;
 use crate::inbox::Inbox;
 use crate::inner_loop::InnerLoop;
+use crate::keys::KeyBox;
 use crate::port::Port;
 use crate::radio::{Downlink, Receiver};
 use crate::recorder::Recorder;
@@ -86,6 +87,7 @@ pub fn comms(
     radio: &mut Option<Downlink>,
     inbox: &mut impl Mutex<T = Inbox>,
     params: &mut impl Mutex<T = Params>,
+    keys: &mut impl Mutex<T = KeyBox>,
 ) {
     if out.reply.is_some() {
         let params = params.lock(|params| *params);
@@ -107,14 +109,16 @@ pub fn comms(
         radio.transmit(out);
     }
     inbox.lock(|inbox| comms.collect(inbox));
+    keys.lock(|keys| comms.keep(keys, out.is_armed));
     log.write(comms, out);
 }
 
-/// The parameters could not be kept: the flash is worn or full.
+/// The parameters, or the signing key, could not be kept: the flash is worn or full.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct NotStored;
 
-/// Barometer, rangefinder, battery, radio, each millisecond at the lowest priority; on the ground also the parameters.
+/// Barometer, rangefinder, battery, radio, each millisecond at the lowest priority; on the ground also the parameters
+/// and the signing key, one write at a time.
 ///
 /// # Errors
 /// [`NotStored`], once: nothing is stored from then on, or it would be told every millisecond.
@@ -126,6 +130,7 @@ pub fn devices<I2C, UART, V, C, F>(
     delay: &mut impl DelayNs,
     inbox: &mut impl Mutex<T = Inbox>,
     params: &mut impl Mutex<T = Params>,
+    keys: &mut impl Mutex<T = KeyBox>,
 ) -> Result<(), NotStored>
 where
     I2C: I2c,
@@ -144,11 +149,26 @@ where
         return Ok(());
     }
     devices.revive(delay);
-    let Some(kept) = settings else { return Ok(()) };
-    let params = params.lock(|params| *params);
-    if kept.store_next(&params).is_err() {
-        *settings = None;
-        return Err(NotStored);
+    let key = keys.lock(|keys| keys.wanted());
+    let is_stored = match (&mut *settings, key) {
+        (None, Some(key)) => {
+            keys.lock(|keys| keys.answer(key, false));
+            true
+        }
+        (None, None) => true,
+        (Some(stored), Some(key)) => {
+            let is_stored = stored.keep(&key).is_ok();
+            keys.lock(|keys| keys.answer(key, is_stored));
+            is_stored
+        }
+        (Some(stored), None) => {
+            let params = params.lock(|params| *params);
+            stored.store_next(&params).is_ok()
+        }
+    };
+    if is_stored {
+        return Ok(());
     }
-    Ok(())
+    *settings = None;
+    Err(NotStored)
 }

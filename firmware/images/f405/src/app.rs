@@ -12,6 +12,7 @@ use tautline_runtime::comms::Comms;
 use tautline_runtime::crash::Cause;
 use tautline_runtime::inbox::Inbox;
 use tautline_runtime::inner_loop::InnerLoop;
+use tautline_runtime::keys::KeyBox;
 use tautline_runtime::port::{Inward, Port, Queued};
 use tautline_runtime::radio::{self, Downlink, Receiver};
 use tautline_runtime::settings::Settings;
@@ -28,6 +29,7 @@ mod image {
     struct Shared {
         inbox: Inbox,
         params: Params,
+        keys: KeyBox,
     }
 
     #[local]
@@ -76,18 +78,20 @@ mod image {
             defmt::error!("{}", notice.as_str());
         }
         let identity = Identity::new(board::uid(), env!("TAUTLINE_REVISION"));
+        let kept = settings.as_ref().and_then(Settings::kept);
+        let comms = Comms::new(params, identity, notice, kept);
         let (outputs_in, outputs_out) = cx.local.outputs.split();
         let (uart, telemetry) = board.telemetry.unzip();
         let (radio_uart, radio) = board.radio.unzip();
         let (receiver, downlink) = radio.map(radio::split).unzip();
         (
-            Shared { inbox: Inbox::default(), params },
+            Shared { inbox: Inbox::default(), params, keys: KeyBox::default() },
             Local {
                 flight,
                 pace: board.pace,
                 outputs_in,
                 outputs_out,
-                comms: Comms::new(params, identity, notice),
+                comms,
                 console: board.console,
                 log: board.log,
                 telemetry,
@@ -115,13 +119,14 @@ mod image {
     }
 
     /// MAVLink and the log.
-    #[task(priority = 2, local = [comms, outputs_out, console, log, telemetry, downlink], shared = [inbox, params])]
+    #[task(priority = 2, local = [comms, outputs_out, console, log, telemetry, downlink], shared = [inbox, params, keys])]
     async fn comms(mut cx: comms::Context) {
         let local = cx.local;
         while let Some(out) = local.outputs_out.dequeue() {
-            let shared = (&mut cx.shared.inbox, &mut cx.shared.params);
+            let inbox = &mut cx.shared.inbox;
+            let (params, keys) = (&mut cx.shared.params, &mut cx.shared.keys);
             let ports: [&mut dyn Port; PORTS] = [local.console, local.telemetry];
-            tasks::comms(local.comms, &out, ports, local.log, local.downlink, shared.0, shared.1);
+            tasks::comms(local.comms, &out, ports, local.log, local.downlink, inbox, params, keys);
             if local.comms.is_to_reboot(&out) {
                 cortex_m::peripheral::SCB::sys_reset();
             }
@@ -129,14 +134,16 @@ mod image {
         }
     }
 
-    /// Barometer, rangefinder, battery, radio; on the ground also the parameters.
-    #[task(priority = 1, local = [devices, receiver, settings], shared = [inbox, params])]
+    /// Barometer, rangefinder, battery, radio; on the ground also parameters and signing key.
+    #[task(priority = 1, local = [devices, receiver, settings], shared = [inbox, params, keys])]
     async fn devices(mut cx: devices::Context, is_armed: bool) {
         let (devices, radio, settings) = (cx.local.devices, cx.local.receiver, cx.local.settings);
         let at = (board::now(), is_armed);
-        let shared = (&mut cx.shared.inbox, &mut cx.shared.params);
+        let inbox = &mut cx.shared.inbox;
+        let (params, keys) = (&mut cx.shared.params, &mut cx.shared.keys);
         let mut delay = board::delay();
-        if tasks::devices(devices, radio, settings, at, &mut delay, shared.0, shared.1).is_err() {
+        let stored = tasks::devices(devices, radio, settings, at, &mut delay, inbox, params, keys);
+        if stored.is_err() {
             defmt::error!("parameters: not stored");
         }
     }
