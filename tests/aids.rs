@@ -2,8 +2,11 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "tests")]
 
-use mavlink::dialects::common::{COMMAND_LONG_DATA, MavCmd};
+use mavlink::dialects::common::{COMMAND_LONG_DATA, MavCmd, WINCH_STATUS_DATA};
+use tautline_firmware::mavlink::Connection;
+use tautline_firmware::param::Params;
 use tautline_firmware::supervisor::{GroundState, Mode};
+use tautline_firmware::time::Micros;
 use tautline_sitl::flight::{Flight, MavlinkSender};
 use tautline_sitl::metrics::PlaceSummary;
 use tautline_sitl::scenario::{FaultKind, FaultSection};
@@ -211,4 +214,24 @@ fn a_plain_receiver_that_wanders_by_metres_does_not_carry_the_vehicle_along() {
     // It may be as wrong as the line lets it, and no more: 1.2 m of wandering are not followed.
     let off = flown("[sensors]\ngnss = \"plain\"", 5.0).estimate_rms_m;
     assert!(off < 1.0, "{off}");
+}
+
+#[test]
+fn measurements_are_taken_from_the_system_and_the_component_that_are_named() {
+    let winch = WINCH_STATUS_DATA { line_length: 7.0, ..WINCH_STATUS_DATA::default() };
+    let is_taken = |from: (u32, u8), aid_system: f32, aid_component: f32| {
+        let params = Params { aid_system, aid_component, ..Params::default() };
+        let bytes = MavlinkSender::new(from.0, from.1).frame(&winch);
+        let mut link = Connection::new();
+        link.receive_datagram(Micros(1000), &bytes, &params, &mut |_| {});
+        let is_taken = link.take_sensors().tether.is_some();
+        assert_eq!(link.counters().refused, u32::from(!is_taken));
+        is_taken
+    };
+    for from in [(1, 169), (1, 7)] {
+        assert!(is_taken(from, 0.0, 0.0) && !is_taken(from, 42.0, 0.0), "{from:?}");
+    }
+    assert!(is_taken((1, 169), 0.0, 169.0) && !is_taken((1, 7), 0.0, 169.0));
+    assert!(is_taken((42, 169), 42.0, 169.0) && !is_taken((42, 7), 42.0, 169.0));
+    assert!(!is_taken((1, 169), 42.0, 169.0) && !is_taken((42, 169), 0.0, 169.0));
 }

@@ -57,11 +57,13 @@ fn four(frame: &Frame, at: usize) -> [f32; 4] {
 }
 
 impl Session {
-    /// From the vehicle's own companions, or the one system that MAV_AID_SYS names; strangers are not believed.
+    /// From the vehicle's own companions, or the one system that MAV_AID_SYS names and there, if MAV_AID_COMP names one,
+    /// from that component; strangers are not believed.
     pub(super) fn measured(&mut self, now: Micros, frame: &Frame, params: &Params) {
         let named = params.aid_system as u8;
         let trusted = if named == 0 { self.system } else { named };
-        if frame.system != trusted {
+        let component = params.aid_component as u8;
+        if frame.system != trusted || (component != 0 && frame.component != component) {
             return self.refuse();
         }
         match frame.id {

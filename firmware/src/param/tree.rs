@@ -456,6 +456,8 @@ params! {
         autopilot_type: "MAV_AUTOPILOT" Int [""] = 12.0 in 0.0 ..= 12.0;
         /// MAVLink system whose measurements are taken: winch, motion capture, station. 0 = the vehicle's own.
         aid_system: "MAV_AID_SYS" Int [""] = 0.0 in 0.0 ..= 255.0;
+        /// Component of that system whose measurements are taken. 0 = any.
+        aid_component: "MAV_AID_COMP" Int [""] = 0.0 in 0.0 ..= 255.0;
         /// Airframe; QGroundControl wants it not zero.
         airframe: "SYS_AUTOSTART" Int [""] = 4001.0 in 1.0 ..= 99999.0;
         /// Whether a magnetometer is fitted; none is used.
