@@ -186,3 +186,34 @@ fn the_shell_answers_and_touches_nothing() {
     assert!(type_in("status\n").contains("disarmed"));
     assert!(type_in("reboot\n").contains("unknown"));
 }
+
+/// Two clients behind one address, as behind a router.
+#[test]
+fn an_open_session_is_taken_from_nobody_who_uses_it() {
+    let (mut flight, mut first) = begin();
+    let mut second = Station::new(254, 1);
+    let file = "/etc/extras/parameters.json";
+    let open = ftp(4, 0, 0, file);
+    assert_eq!(answers(&mut first, &mut flight, &open)[0].0, 128);
+    let piece = answers(&mut first, &mut flight, &ftp(5, 0, 100, ""));
+    let refused = vec![(129, vec![5])];
+    assert_eq!(answers(&mut second, &mut flight, &open), refused, "no session is free");
+    assert_eq!(answers(&mut second, &mut flight, &ftp(5, 0, 100, "")), [(129, vec![4])]);
+    // To end the other's works as little as to read from it.
+    for end in [1, 2] {
+        assert_eq!(answers(&mut second, &mut flight, &ftp(end, 0, 0, ""))[0].0, 128);
+    }
+    assert_eq!(answers(&mut first, &mut flight, &ftp(5, 0, 100, "")), piece);
+    assert_eq!(answers(&mut first, &mut flight, &open)[0].0, 128, "its own, once more");
+    // Still in use 8 s later, and 8 s after that.
+    for _ in 0..2 {
+        first.run(&mut flight, 8000);
+        assert_eq!(answers(&mut first, &mut flight, &ftp(5, 0, 100, "")), piece);
+    }
+    assert_eq!(answers(&mut second, &mut flight, &open), refused);
+    first.run(&mut flight, 10_000);
+    assert_eq!(answers(&mut second, &mut flight, &open)[0].0, 128, "nobody used it");
+    assert_eq!(answers(&mut first, &mut flight, &ftp(5, 0, 100, "")), [(129, vec![4])]);
+    answers(&mut second, &mut flight, &ftp(1, 0, 0, ""));
+    assert_eq!(answers(&mut first, &mut flight, &open)[0].0, 128, "it was given back");
+}

@@ -4,6 +4,7 @@ use super::files::{Entry, Open};
 use super::{Answers, Host};
 use mavlink::dialects::common::FILE_TRANSFER_PROTOCOL_DATA;
 use tautline_firmware::mavlink::{Frame, crc32};
+use tautline_firmware::time::Micros;
 
 /// Head and data of a payload, bytes.
 const HEAD: usize = 12;
@@ -29,6 +30,9 @@ const BURST_READ: u8 = 15;
 const ACK: u8 = 128;
 const NAK: u8 = 129;
 
+/// A session that its client has not used for so long is given to another, µs.
+const IDLE_US: u64 = 10_000_000;
+
 /// Why not.
 #[derive(Clone, Copy, Debug)]
 #[repr(u8)]
@@ -36,6 +40,7 @@ enum Wrong {
     Failed = 1,
     InvalidSize = 3,
     InvalidSession = 4,
+    NoSessions = 5,
     EndOfFile = 6,
     UnknownCommand = 7,
     Protected = 9,
@@ -63,11 +68,21 @@ struct Burst {
     left: u32,
 }
 
-/// The one session, by the number that its client gave it.
+/// The one session of an address, behind which there may be several clients.
 #[derive(Debug, Default)]
 pub struct Ftp {
-    session: u8,
-    open: Option<Open>,
+    session: Option<Session>,
+}
+
+/// An open file.
+#[derive(Debug)]
+struct Session {
+    /// As its client calls it.
+    number: u8,
+    /// System and component.
+    client: [u8; 2],
+    used_at: Micros,
+    open: Open,
     burst: Option<Burst>,
 }
 
@@ -82,6 +97,10 @@ impl Request {
             system: frame.system,
             component: frame.component,
         }
+    }
+
+    fn client(&self) -> [u8; 2] {
+        [self.system, self.component]
     }
 
     fn answer(&self, code: u8, is_last: bool, data: &[u8], answers: &mut Answers) {
@@ -110,31 +129,28 @@ impl Ftp {
         let data: Vec<u8> = (0..size.min(DATA)).map(|at| frame.byte(START + HEAD + at)).collect();
         let name = String::from_utf8_lossy(&data);
         let name = name.split('\0').next().unwrap_or("");
+        let own = self.session.as_mut().filter(|session| session.client == request.client());
+        if let Some(session) = own {
+            session.used_at = host.out.now;
+        }
         let done = match request.opcode {
             _ if size > DATA => Err(Wrong::InvalidSize),
             NONE => Ok(Vec::new()),
             TERMINATE | RESET => {
-                *self = Self::default();
+                self.session.take_if(|session| session.client == request.client());
                 Ok(Vec::new())
             }
             LIST => list(host, name, request.offset),
-            OPEN => match host.files.open(name, host.params) {
-                Some(open) => {
-                    let size = open.size().to_le_bytes().to_vec();
-                    *self = Self { session: request.session, open: Some(open), burst: None };
-                    Ok(size)
-                }
-                None => Err(Wrong::NotFound),
-            },
-            READ => self.read(request.session, request.offset, size),
-            BURST_READ => {
-                if self.open.is_some() && request.session == self.session {
+            OPEN => self.open(&request, name, host),
+            READ => self.session(&request).and_then(|session| session.read(request.offset, size)),
+            BURST_READ => match self.session(&request) {
+                Ok(session) => {
                     let size = if size == 0 { DATA } else { size };
-                    self.burst = Some(Burst { request, size, left: BURST });
+                    session.burst = Some(Burst { request, size, left: BURST });
                     return;
                 }
-                Err(Wrong::InvalidSession)
-            }
+                Err(wrong) => Err(wrong),
+            },
             CRC => match host.files.open(name, host.params) {
                 Some(mut open) => sum(&mut open).map(|crc| crc.to_le_bytes().to_vec()),
                 None => Err(Wrong::NotFound),
@@ -148,34 +164,59 @@ impl Ftp {
         }
     }
 
-    fn read(&mut self, session: u8, offset: u32, size: usize) -> Result<Vec<u8>, Wrong> {
-        let is_open = session == self.session;
-        let open = self.open.as_mut().filter(|_| is_open).ok_or(Wrong::InvalidSession)?;
-        let mut data = vec![0; size.min(DATA)];
-        let count = open.read(offset, &mut data).map_err(|_| Wrong::Failed)?;
-        if count == 0 {
-            return Err(Wrong::EndOfFile);
+    /// Begins a session in the place of the client's own, or of one that nobody uses any more.
+    fn open(&mut self, request: &Request, name: &str, host: &Host) -> Result<Vec<u8>, Wrong> {
+        let (client, now) = (request.client(), host.out.now);
+        let is_taken =
+            |session: &Session| session.client != client && now.since(session.used_at) < IDLE_US;
+        if self.session.as_ref().is_some_and(is_taken) {
+            return Err(Wrong::NoSessions);
         }
-        data.truncate(count);
-        Ok(data)
+        let open = host.files.open(name, host.params).ok_or(Wrong::NotFound)?;
+        let size = open.size().to_le_bytes().to_vec();
+        let number = request.session;
+        self.session = Some(Session { number, client, used_at: now, open, burst: None });
+        Ok(size)
+    }
+
+    /// The one that a request is about.
+    fn session(&mut self, request: &Request) -> Result<&mut Session, Wrong> {
+        let is_its = |session: &&mut Session| {
+            session.number == request.session && session.client == request.client()
+        };
+        self.session.as_mut().filter(is_its).ok_or(Wrong::InvalidSession)
     }
 
     /// Some packets of a burst.
-    pub fn step(&mut self, answers: &mut Answers) {
+    pub fn step(&mut self, now: Micros, answers: &mut Answers) {
+        let Some(session) = &mut self.session else { return };
         for _ in 0..AT_ONCE {
-            let Some(mut burst) = self.burst.take() else { return };
+            let Some(mut burst) = session.burst.take() else { return };
+            session.used_at = now;
             let request = burst.request;
-            match self.read(request.session, request.offset, burst.size) {
+            match session.read(request.offset, burst.size) {
                 Ok(data) => {
                     burst.left -= 1;
                     request.answer(ACK, burst.left == 0, &data, answers);
                     burst.request.sequence = request.sequence.wrapping_add(1);
                     burst.request.offset += data.len() as u32;
-                    self.burst = (burst.left > 0).then_some(burst);
+                    session.burst = (burst.left > 0).then_some(burst);
                 }
                 Err(wrong) => request.answer(NAK, true, &[wrong as u8], answers),
             }
         }
+    }
+}
+
+impl Session {
+    fn read(&mut self, offset: u32, size: usize) -> Result<Vec<u8>, Wrong> {
+        let mut data = vec![0; size.min(DATA)];
+        let count = self.open.read(offset, &mut data).map_err(|_| Wrong::Failed)?;
+        if count == 0 {
+            return Err(Wrong::EndOfFile);
+        }
+        data.truncate(count);
+        Ok(data)
     }
 }
 

@@ -96,7 +96,7 @@ impl Services {
     pub fn step(&mut self, host: &Host, send: &mut dyn FnMut(&[u8])) {
         let mut sender = MavlinkSender::new(host.params.system_id as u32, COMPONENT_AUTOPILOT);
         let mut answers = Answers { sender: &mut sender, send };
-        self.ftp.step(&mut answers);
+        self.ftp.step(host.out.now, &mut answers);
         self.logs.step(host.files, &mut answers);
     }
 }
