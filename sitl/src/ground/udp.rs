@@ -106,3 +106,60 @@ impl Udp {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Of this instance no other test is.
+    const INSTANCE: u16 = 93;
+    /// Of a network that is kept for examples.
+    const STATION: [u8; 4] = [192, 0, 2, 7];
+    const STRANGER: [u8; 4] = [192, 0, 2, 8];
+
+    fn heard(at: Option<IpAddr>, stations: &[SocketAddr]) -> [bool; 3] {
+        let udp = Udp::bind(INSTANCE, at, stations, &mut Links::new()).unwrap();
+        [[127, 0, 0, 1], STATION, STRANGER].map(|address| udp.hears(IpAddr::from(address)))
+    }
+
+    /// One of this machine's addresses on a network, if it is on one. Nothing is sent.
+    fn own_address() -> Option<IpAddr> {
+        let socket = UdpSocket::bind((Ipv4Addr::UNSPECIFIED, 0)).ok()?;
+        socket.connect((Ipv4Addr::from(STATION), 9)).ok()?;
+        socket.local_addr().ok().map(|address| address.ip()).filter(|ip| !ip.is_loopback())
+    }
+
+    /// Peers after a datagram to a vehicle that calls this station, from here and from a network's address.
+    fn peers(station: SocketAddr) -> Option<[usize; 2]> {
+        let mut links = Links::new();
+        let udp = Udp::bind(INSTANCE, None, &[station], &mut links).unwrap();
+        let called = links.count();
+        let mut say = |from: IpAddr| {
+            let socket = UdpSocket::bind((from, 0)).unwrap();
+            socket.send_to(b"x", (from, 18_570 + INSTANCE)).unwrap();
+            std::thread::sleep(std::time::Duration::from_millis(50));
+            udp.receive(&mut links);
+            links.count() - called
+        };
+        Some([say(Ipv4Addr::LOCALHOST.into()), say(own_address()?)])
+    }
+
+    /// One test: its parts share the ports.
+    #[test]
+    fn bound_for_the_sake_of_one_station_the_vehicle_hears_no_stranger() {
+        let station = SocketAddr::from((STATION, STATIONS));
+        let any = IpAddr::from(Ipv4Addr::UNSPECIFIED);
+        assert_eq!(heard(None, &[]), [true, false, false]);
+        assert_eq!(heard(None, &[station]), [true, true, false]);
+        assert_eq!(heard(Some(any), &[station]), [true, true, true]);
+        assert_eq!(heard(Some(any), &[]), [true, true, true]);
+        // The same over the wire, where there is one: another address of this machine is a stranger's.
+        if let Some(peers) = peers(station) {
+            assert_eq!(peers, [1, 1], "a stranger became a peer");
+        }
+        let own = own_address().map(|ip| peers(SocketAddr::new(ip, STATIONS)));
+        if let Some(Some(peers)) = own {
+            assert_eq!(peers, [1, 2], "the station that is called is no stranger");
+        }
+    }
+}
