@@ -3,6 +3,7 @@
 use super::Failure;
 use crate::emulated::{self, Outcome, Plan, Telemetry};
 use crate::flight::{Flight, Progress};
+use crate::ground::new_key;
 use crate::scenario::Scenario;
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
@@ -36,6 +37,9 @@ pub struct Options {
     /// Serve the image's USART1 on this TCP port, in real time; the flight begins when a client connects
     #[arg(long, value_name = "PORT")]
     telemetry: Option<u16>,
+    /// A signing key in the board's flash: 32 bytes, or 64 hexadecimal digits
+    #[arg(long, value_name = "FILE")]
+    signing_key: Option<PathBuf>,
     /// Fly it again and compare every byte
     #[arg(long)]
     twice: bool,
@@ -68,11 +72,13 @@ pub fn run(options: &Options) -> Result<(), Failure> {
         };
         (options.injury_at, injury)
     });
+    let key = options.signing_key.as_deref().map(new_key).transpose().map_err(usage)?;
     let plan = Plan {
         image: &options.image,
         folder: &options.out,
         scenario: &scenario,
         params,
+        key,
         seed: options.seed,
         limit: options.duration,
         injury,

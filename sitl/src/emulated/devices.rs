@@ -8,6 +8,7 @@ use embedded_hal::spi::SpiDevice;
 use embedded_io::{Read, ReadReady};
 use embedded_storage::nor_flash::{NorFlash, ReadNorFlash};
 use std::io;
+use tautline_firmware::mavlink::NewKey;
 use tautline_firmware::param::Params;
 use tautline_hal_shim::battery::AdcPin;
 use tautline_hal_shim::fake::{FakeEsc, FakeFlash};
@@ -37,16 +38,24 @@ pub struct Devices {
 }
 
 impl Devices {
-    /// Powers up; the flash holds the parameters that differ from their defaults.
+    /// Powers up; the flash holds the parameters that differ from their defaults, and the key.
     ///
     /// # Errors
     /// When they do not fit.
-    pub fn new(environment: Environment, params: &Params, protocol: Protocol) -> io::Result<Self> {
+    pub fn new(
+        environment: Environment,
+        params: &Params,
+        key: Option<&NewKey>,
+        protocol: Protocol,
+    ) -> io::Result<Self> {
         let flash = FakeFlash::<SECTOR, WORD>::new(4, 1);
         let wrong = |e| io::Error::other(format!("parameter flash: {e:?}"));
         let store = ParameterStore::try_new(flash, RANGE).map_err(wrong)?;
         let (mut settings, _) = Settings::load(store, Params::default()).map_err(wrong)?;
         while settings.store_next(params).map_err(wrong)? {}
+        if let Some(key) = key {
+            settings.keep(&key.kept()).map_err(wrong)?;
+        }
         let escs = std::array::from_fn(|_| FakeEsc::new(environment.clock().clone(), protocol));
         Ok(Self { environment, escs, pulses: [0; OUTPUTS], flash: Some(settings.into_flash()) })
     }

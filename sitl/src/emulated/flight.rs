@@ -11,7 +11,7 @@ use mavlink::{MavlinkVersion, MessageData};
 use std::io::{self, Write};
 use std::path::Path;
 use std::time::{Duration, Instant};
-use tautline_firmware::mavlink::Parser;
+use tautline_firmware::mavlink::{NewKey, Parser};
 use tautline_firmware::param::Params;
 use tautline_firmware::supervisor::{MODES, Mode};
 use tautline_runtime::inner_loop::protocol;
@@ -39,6 +39,8 @@ pub struct Plan<'a> {
     pub scenario: &'a Scenario,
     /// In the board's flash at power-up.
     pub params: Params,
+    /// There too.
+    pub key: Option<NewKey>,
     /// Of everything random.
     pub seed: u64,
     /// Simulated seconds at most.
@@ -149,7 +151,8 @@ pub fn fly(plan: &Plan) -> io::Result<Outcome> {
 impl<'a> Host<'a> {
     fn new(plan: &'a Plan<'a>) -> io::Result<Self> {
         let environment = Environment::new(plan.scenario, &plan.params, plan.seed);
-        let devices = Devices::new(environment, &plan.params, protocol(&plan.params))?;
+        let devices =
+            Devices::new(environment, &plan.params, plan.key.as_ref(), protocol(&plan.params))?;
         let mission = MissionRunner::new(&plan.scenario.mission, plan.params.system_id as u8);
         let out = Outcome {
             progress: mission.progress().clone(),
@@ -342,6 +345,7 @@ mod tests {
             folder: Path::new(""),
             scenario,
             params: scenario.params().unwrap(),
+            key: None,
             seed: 1,
             limit: 60.0,
             injury: None,

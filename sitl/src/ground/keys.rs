@@ -4,7 +4,7 @@ use std::fmt::Write;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
-use tautline_firmware::mavlink::{KEY, Sender, Signing};
+use tautline_firmware::mavlink::{KEY, NewKey, Sender, Signing};
 
 /// 2015-01-01, from which MAVLink's signatures count, s since 1970.
 const EPOCH: u64 = 1_420_070_400;
@@ -41,6 +41,21 @@ fn key(bytes: &[u8]) -> Option<[u8; KEY]> {
     bytes.try_into().ok().filter(|_| rest.is_empty())
 }
 
+/// Reads a key.
+fn read(path: &Path) -> Result<[u8; KEY], String> {
+    let wrong = |what: &str| format!("{}: {what}", path.display());
+    let bytes = fs::read(path).map_err(|e| wrong(&e.to_string()))?;
+    key(&bytes).ok_or_else(|| wrong("no key: 32 bytes, or 64 hexadecimal digits"))
+}
+
+/// A key for a board, from this moment on.
+///
+/// # Errors
+/// A file that cannot be read, or holds no key; named.
+pub fn new_key(path: &Path) -> Result<NewKey, String> {
+    NewKey::try_new(read(path)?, now()).ok_or_else(|| "this machine's clock is far off".to_owned())
+}
+
 fn sender(line: &str) -> Option<Sender> {
     let mut words = line.split_whitespace();
     let mut id = [0; 3];
@@ -57,10 +72,7 @@ impl Keys {
     /// # Errors
     /// A file that cannot be read, or holds no key; named.
     pub fn load(path: &Path) -> Result<(Self, Signing), String> {
-        let wrong = |what: &str| format!("{}: {what}", path.display());
-        let bytes = fs::read(path).map_err(|e| wrong(&e.to_string()))?;
-        let key = key(&bytes).ok_or_else(|| wrong("no key: 32 bytes, or 64 hexadecimal digits"))?;
-        let mut signing = Signing::new(key, now());
+        let mut signing = Signing::new(read(path)?, now());
         let seen = path.with_added_extension("seen");
         let text = fs::read_to_string(&seen).unwrap_or_default();
         for (line, number) in text.lines().zip(1..) {

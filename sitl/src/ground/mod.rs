@@ -10,7 +10,7 @@ mod uplink;
 mod winch;
 
 pub use injection::Injection;
-pub use keys::Keys;
+pub use keys::{Keys, new_key};
 pub use links::{Links, Peer};
 pub use services::{Files, Host};
 pub use udp::{STATIONS, Udp};
