@@ -34,6 +34,8 @@ const KIB: u64 = 1024;
 const PART: u64 = 1024 * KIB;
 /// Every technique of the core.
 const EVERYTHING: &str = "everything";
+/// Limit of an F405's image with everything: signing has filled the 404 KiB that were enough before to 212 bytes.
+const F405_FLASH: u64 = 426 * KIB;
 /// What `cargo xtask size --full` builds the reference board's image with, one by one.
 const CORES: [&str; 8] =
     ["", "cable", "full-state", "taut-link", "tether-angle", "capture", "pendulum", EVERYTHING];
@@ -48,7 +50,7 @@ pub const IMAGES: [Image; 5] = [
         target: M4F,
         flight: "CAN1_SCE",
         chip: "STM32F405RG",
-        flash: 420 * KIB,
+        flash: F405_FLASH,
         ram: 64 * KIB,
     },
     Image {
@@ -59,7 +61,7 @@ pub const IMAGES: [Image; 5] = [
         target: M4F,
         flight: "CAN1_SCE",
         chip: "STM32F405RG",
-        flash: 270 * KIB,
+        flash: 276 * KIB,
         ram: 64 * KIB,
     },
     Image {
@@ -70,7 +72,7 @@ pub const IMAGES: [Image; 5] = [
         target: M4F,
         flight: "CAN1_SCE",
         chip: "STM32F405RG",
-        flash: 420 * KIB,
+        flash: F405_FLASH,
         ram: 64 * KIB,
     },
     Image {
@@ -81,7 +83,7 @@ pub const IMAGES: [Image; 5] = [
         target: M4F,
         flight: "FDCAN1_IT0",
         chip: "STM32H743VI",
-        flash: 434 * KIB,
+        flash: 440 * KIB,
         ram: 80 * KIB,
     },
     Image {
@@ -92,7 +94,7 @@ pub const IMAGES: [Image; 5] = [
         target: M4F,
         flight: "CAN1_SCE",
         chip: "",
-        flash: 404 * KIB,
+        flash: F405_FLASH,
         ram: 64 * KIB,
     },
 ];

@@ -86,8 +86,7 @@ pub fn comms(
     log: &mut impl Recorder,
     radio: &mut Option<Downlink>,
     inbox: &mut impl Mutex<T = Inbox>,
-    params: &mut impl Mutex<T = Params>,
-    keys: &mut impl Mutex<T = KeyBox>,
+    (params, keys): (&mut impl Mutex<T = Params>, &mut impl Mutex<T = KeyBox>),
 ) {
     if out.reply.is_some() {
         let params = params.lock(|params| *params);
@@ -129,8 +128,7 @@ pub fn devices<I2C, UART, V, C, F>(
     (now, is_armed): (Micros, bool),
     delay: &mut impl DelayNs,
     inbox: &mut impl Mutex<T = Inbox>,
-    params: &mut impl Mutex<T = Params>,
-    keys: &mut impl Mutex<T = KeyBox>,
+    (params, keys): (&mut impl Mutex<T = Params>, &mut impl Mutex<T = KeyBox>),
 ) -> Result<(), NotStored>
 where
     I2C: I2c,

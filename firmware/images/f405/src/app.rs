@@ -124,9 +124,9 @@ mod image {
         let local = cx.local;
         while let Some(out) = local.outputs_out.dequeue() {
             let inbox = &mut cx.shared.inbox;
-            let (params, keys) = (&mut cx.shared.params, &mut cx.shared.keys);
+            let kept = (&mut cx.shared.params, &mut cx.shared.keys);
             let ports: [&mut dyn Port; PORTS] = [local.console, local.telemetry];
-            tasks::comms(local.comms, &out, ports, local.log, local.downlink, inbox, params, keys);
+            tasks::comms(local.comms, &out, ports, local.log, local.downlink, inbox, kept);
             if local.comms.is_to_reboot(&out) {
                 cortex_m::peripheral::SCB::sys_reset();
             }
@@ -140,9 +140,9 @@ mod image {
         let (devices, radio, settings) = (cx.local.devices, cx.local.receiver, cx.local.settings);
         let at = (board::now(), is_armed);
         let inbox = &mut cx.shared.inbox;
-        let (params, keys) = (&mut cx.shared.params, &mut cx.shared.keys);
+        let kept = (&mut cx.shared.params, &mut cx.shared.keys);
         let mut delay = board::delay();
-        let stored = tasks::devices(devices, radio, settings, at, &mut delay, inbox, params, keys);
+        let stored = tasks::devices(devices, radio, settings, at, &mut delay, inbox, kept);
         if stored.is_err() {
             defmt::error!("parameters: not stored");
         }
