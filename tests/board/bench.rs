@@ -18,7 +18,8 @@ use tautline_hal_shim::parameters::ParameterStore;
 use tautline_runtime::comms::{Comms, LogFile};
 use tautline_runtime::inbox::Inbox;
 use tautline_runtime::keys::KeyBox;
-use tautline_runtime::port::Port;
+use tautline_runtime::port::{Inward, Port};
+use tautline_runtime::radio::Receiver;
 use tautline_runtime::recorder::Recorder;
 use tautline_runtime::settings::Settings;
 use tautline_runtime::slow::SlowDevices;
@@ -207,14 +208,19 @@ impl<const PAGE: usize, const WORD: usize> Board<PAGE, WORD> {
             self.out.now = Micros(self.out.now.0 + self.step_us);
             self.out.is_armed = self.is_armed;
             let [usb, uart] = &mut self.wires;
-            let (inbox, params, keys) = (&mut self.inbox, &mut self.params, &mut self.keys);
+            let inbox = &mut self.inbox;
+            let (mut receiver, mut downlink) = (None::<Receiver<Inward>>, None);
             let ports: [&mut dyn Port; PORTS] = [usb, uart];
-            tasks::comms(&mut self.comms, &self.out, ports, &mut self.log, inbox, params, keys);
+            let kept = (&mut self.params, &mut self.keys);
+            let (comms, log) = (&mut self.comms, &mut self.log);
+            tasks::comms(comms, &self.out, ports, log, &mut downlink, inbox, kept);
             self.requests.extend(inbox.0.take(self.out.now).request);
             let at = (self.out.now, self.is_armed);
             let (devices, settings) = (&mut self.devices, &mut self.settings);
             let mut delay = self.clock.clone();
-            let stored = tasks::devices(devices, settings, at, &mut delay, inbox, params, keys);
+            let kept = (&mut self.params, &mut self.keys);
+            let stored =
+                tasks::devices(devices, &mut receiver, settings, at, &mut delay, inbox, kept);
             self.is_off = stored.is_err();
         }
     }
