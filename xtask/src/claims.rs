@@ -30,9 +30,14 @@ const UNITS: [&str; 18] = [
 /// Line and heading of a document's sections that have figures and no source.
 pub fn unsourced_sections(text: &str) -> Vec<(usize, String)> {
     let mut sections: Vec<(usize, String, String)> = vec![(1, String::new(), String::new())];
-    let mut is_listing = false;
+    let (mut is_listing, mut is_made) = (false, false);
     for (number, line) in (1..).zip(text.lines()) {
         is_listing ^= line.starts_with("```");
+        // What a task writes between its marks has its command there.
+        is_made = line.starts_with("<!-- table:") || is_made && !line.starts_with("<!-- /table");
+        if is_made {
+            continue;
+        }
         if line.starts_with('#') && !is_listing {
             sections.push((number, line.to_owned(), String::new()));
         } else if let Some((_, _, words)) = sections.last_mut() {
