@@ -32,19 +32,19 @@ pub enum Method {
     FullState,
     /// The firmware's, with `EST_KIND` 0.
     Simple,
-    /// [TF15] and [TF17] share it.
+    /// \[TF15\] and \[TF17\] share it.
     HighGain,
-    /// [LD13].
+    /// \[LD13\].
     TetherAngle,
-    /// [RS21], four states.
+    /// \[RS21\], four states.
     Ekf4,
-    /// [RS21], three states and the tension that the winch is asked for.
+    /// \[RS21\], three states and the tension that the winch is asked for.
     Ekf3,
-    /// [RS21], the authors' earlier method.
+    /// \[RS21\], the authors' earlier method.
     LowPass,
-    /// 17 states, ours, on the model of [RS21].
+    /// 17 states, ours, on the model of \[RS21\].
     ErrorState,
-    /// [YR25].
+    /// \[YR25\].
     Pendulum,
 }
 
