@@ -30,6 +30,11 @@ pub fn run(options: &Options) -> Result<(), Failure> {
     let named = |e: String| Failure::Usage(format!("{name}: {e}"));
     let bytes = std::fs::read(&options.log).map_err(|e| named(e.to_string()))?;
     let path = options.out.clone().unwrap_or_else(|| options.log.with_extension("mcap"));
+    if std::fs::canonicalize(&path)
+        .is_ok_and(|to| std::fs::canonicalize(&options.log).ok() == Some(to))
+    {
+        return Err(Failure::Usage(format!("--out {}: that is the log itself", path.display())));
+    }
     let file = File::create(&path).map_err(|e| Failure::Usage(format!("{}: {e}", path.display())));
     let written = export(&bytes, BufWriter::new(file?), options.inputs).map_err(|e| {
         // Half a file would pass for a flight.
