@@ -16,7 +16,11 @@ mod tautbench;
 mod topics;
 mod view;
 
-use std::process::{Command, ExitCode};
+use std::{
+    process::{Command, ExitCode},
+    sync::OnceLock,
+    time::Instant,
+};
 
 /// What a task may end with: one line for whoever ran it.
 type Outcome = Result<(), String>;
@@ -104,6 +108,9 @@ fn main() -> ExitCode {
     }
 }
 
+/// When the first program was run.
+static STARTED: OnceLock<Instant> = OnceLock::new();
+
 /// Runs a program in the workspace and says so; its failure is the task's.
 fn run(program: &str, arguments: &[&str]) -> Outcome {
     run_with(program, arguments, &[])
@@ -120,8 +127,9 @@ fn run_in(
     arguments: &[&str],
     environment: &[(&str, &str)],
 ) -> Outcome {
-    // Standard output is for results, which others may read.
-    eprintln!("\n== {program} {}", arguments.join(" "));
+    // Standard output is for results, which others may read. The seconds show what takes long.
+    let since = STARTED.get_or_init(Instant::now).elapsed().as_secs();
+    eprintln!("\n== {since} s: {program} {}", arguments.join(" "));
     let status = Command::new(program)
         .args(arguments)
         .envs(environment.iter().copied())
