@@ -7,7 +7,7 @@ use tautline_firmware::supervisor::{GroundState, Mode};
 use tautline_firmware::vehicle::StepOutput;
 use tautline_sitl::flight::Flight;
 use tautline_sitl::metrics::PlaceSummary;
-use tautline_sitl::scenario::{FaultKind, FaultSection};
+use tautline_sitl::scenario::{Axis, FaultKind, FaultSection};
 use tautline_tests::{flight, run, until};
 
 /// Takes off to 45 degrees and holds.
@@ -151,6 +151,28 @@ fn a_gyro_that_lies_for_a_second_costs_a_restart_and_not_the_vehicle() {
     assert!(told(&flight, "Position filter began anew") <= 2);
     let plant = &flight.world.environment.plant;
     assert!(plant.body.tilt() < 0.2 && told(&flight, "Landed, disarmed") == 1);
+}
+
+#[test]
+fn a_gyro_whose_bias_changes_is_learnt_anew_and_told() {
+    for (axis, value) in [(Axis::X, 0.02), (Axis::X, -0.02), (Axis::Y, 0.02), (Axis::Y, -0.02)] {
+        let mut flight = holding("winch", 3.0, "", 2);
+        let from = flight.world.environment.plant.body.position;
+        let at = flight.world.time();
+        let fault =
+            FaultSection { axis: Some(axis), ..FaultSection::new(FaultKind::GyroBias, value, at) };
+        flight.world.environment.faults.add(fault);
+        let mut far = 0.0_f64;
+        for _ in 0..250 {
+            run(&mut flight, 0.1);
+            let way = flight.world.environment.plant.body.position - from;
+            far = far.max(way.x.hypot(way.y));
+        }
+        let told = told(&flight, "Gyro bias changed: learnt anew");
+        assert!(far < 5.0 && told == 1, "{axis:?} {value}: {far} m, told {told}");
+        until(&mut flight, 120.0, |out| !out.is_armed);
+        assert!(flight.metrics.summary().lost.is_none(), "{axis:?} {value}");
+    }
 }
 
 #[test]

@@ -129,7 +129,7 @@ single! {
     FilterHealth { accel, altitude, length }
     Estimate {
         attitude, rate, gyro_bias, height, climb, altitude_rate, vibration, position, velocity, tether, position_sd, heading_sd, air_force, thrust_scale, pull, thrust, health;
-        restarts, length_jumps, length_is_stuck, tether_is_gone, aids, source, is_levelled, has_diverged
+        restarts, gyro_changes, length_jumps, length_is_stuck, tether_is_gone, aids, source, is_levelled, has_diverged
     }
     FlightReference { position, velocity, yaw, tension }
     PlanarReference { elevation, second }

@@ -389,6 +389,7 @@ impl<S: Scalar> Navigation<S> {
             thrust_scale: S::one(),
             pull: None,
             restarts: 0,
+            gyro_changes: 0,
             tether_is_gone: false,
             aids: AidReport::default(),
             source: PositionSource::None,

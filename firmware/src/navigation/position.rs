@@ -75,6 +75,7 @@ pub(super) struct Found<S: Scalar> {
     pub pull: Option<S>,
     pub health: FilterHealth<S>,
     pub restarts: u16,
+    pub gyro_changes: u16,
     pub has_diverged: bool,
     pub source: PositionSource,
 }
@@ -95,6 +96,7 @@ impl<S: Scalar> Found<S> {
             pull: None,
             health: FilterHealth::default(),
             restarts: 0,
+            gyro_changes: 0,
             has_diverged: false,
             source,
         }
@@ -250,6 +252,7 @@ impl<S: Scalar> PositionFilter<S> {
             thrust_scale: found.thrust_scale,
             pull: found.pull,
             restarts: found.restarts,
+            gyro_changes: found.gyro_changes,
             tether_is_gone: found.is_gone,
             aids: found.aids,
             source: if known { found.source } else { PositionSource::None },

@@ -93,6 +93,8 @@ pub struct Estimate<S: Scalar = f32> {
     pub length_is_stuck: bool,
     /// How often the position filter began anew in this flight.
     pub restarts: u16,
+    /// How often the gyro's bias changed in this flight and was learnt anew.
+    pub gyro_changes: u16,
     /// Who says where the vehicle is.
     pub source: PositionSource,
     /// Total thrust by the motor model, N, filtered as the accelerometer is.

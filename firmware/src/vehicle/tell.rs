@@ -19,11 +19,12 @@ const BARO_REJECTED: &str = "Barometer contradicts: not used";
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Told {
     restarts: u16,
+    gyro_changes: u16,
     length_jumps: u16,
     aids: AidReport,
     altimeters: AltimeterReport,
     /// Of [`Vehicle::tell`]'s list of what comes and goes.
-    quiet: [Quiet; 5],
+    quiet: [Quiet; 6],
     /// Of [`UNSURE`].
     heading: usize,
     /// How long it has been so: thrust off its model, thrust nearly gone, shaken, s.
@@ -69,6 +70,7 @@ impl<S: Scalar> Vehicle<S> {
         let altimeters = self.state.altimeters;
         let comes = [
             (estimate.restarts > told.restarts, "Position filter began anew"),
+            (estimate.gyro_changes > told.gyro_changes, "Gyro bias changed: learnt anew"),
             (estimate.length_jumps > told.length_jumps, "Line length jumped: taken out"),
             (altimeters.range_is_rejected && !told.altimeters.range_is_rejected, RANGE_REJECTED),
             (altimeters.baro_is_rejected && !told.altimeters.baro_is_rejected, BARO_REJECTED),
@@ -80,6 +82,7 @@ impl<S: Scalar> Vehicle<S> {
             }
         }
         (told.restarts, told.length_jumps) = (estimate.restarts, estimate.length_jumps);
+        told.gyro_changes = estimate.gyro_changes;
         told.altimeters = altimeters;
         let aids = estimate.aids;
         for aid in aids.rejected.without(told.aids.rejected).iter() {

@@ -185,6 +185,16 @@ impl<S: Scalar> FullState<S> {
         self.covariance.turn([POSITION, VELOCITY, WIND, GUST], turn);
     }
 
+    /// Doubts the given blocks: they may be off by so much more.
+    pub fn widen(&mut self, blocks: &[usize], by: &StartDeviation<S>) {
+        let deviations = by.blocks();
+        for &block in blocks {
+            if let Some(sd) = deviations.get(block) {
+                self.covariance.inflate(block, &sd.component_mul(sd));
+            }
+        }
+    }
+
     /// Another altimeter, whose bias is not that of the one before: zero, by the given standard deviation, m.
     pub fn renew_altimeter(&mut self, sd: S) {
         let (o, one) = (S::zero(), S::one());

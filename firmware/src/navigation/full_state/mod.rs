@@ -6,6 +6,7 @@
 
 mod aids;
 mod answer;
+mod gyro;
 mod health;
 mod line;
 mod outwards;
@@ -17,8 +18,8 @@ pub(super) use aids::Readings;
 use super::position::Found;
 use crate::estimate::MahonyState;
 use crate::estimate::full_state::{
-    Densities, FullState, FullStateFilter, FullStateModel, Load, POSITION, PushDetector, SCALARS,
-    Sag, StartDeviation,
+    Densities, FullState, FullStateFilter, FullStateModel, GYRO_BIAS, Load, POSITION, PushDetector,
+    SCALARS, Sag, StartDeviation, TILT, VELOCITY,
 };
 use crate::frames::{V3, World};
 use crate::math::filter::{Biquad, Biquad3State, BiquadState};
@@ -30,6 +31,7 @@ use crate::signal::{Imu, PositionSource};
 use crate::time::{OUTER_DT, Sample};
 use aids::{Aids, AidsState};
 use answer::Answer;
+use gyro::GyroDoubt;
 use health::FullHealth;
 use slack::{FixedLine, FixedLineState};
 
@@ -57,7 +59,7 @@ const RESTART_PLACE_SD: f64 = 1.0;
 const RESTART_VELOCITY_SD: f64 = 0.5;
 const RESTART_TENSION: f64 = 1.0;
 /// The gyro may be why, rad/s.
-const RESTART_BIAS_SD: f64 = 0.01;
+const RESTART_BIAS_SD: f64 = 0.015;
 /// So many times the accelerometer's own variance no push can be told from it.
 const SHAKEN: f64 = 3.0;
 /// A restart counts for so long, s, and so many at once mean that nothing helps.
@@ -96,6 +98,7 @@ pub(super) struct FullFlightState<S: Scalar> {
     line: FixedLineState<S>,
     aids: AidsState<S>,
     health: FullHealth<S>,
+    gyro: GyroDoubt<S>,
     /// Since lift-off.
     pub restarts: u16,
     /// The feet touch: the state stands still.
@@ -256,6 +259,7 @@ impl<S: Scalar> FullFlight<S> {
             line,
             aids: AidsState::new(),
             health: FullHealth::default(),
+            gyro: GyroDoubt::default(),
             restarts: 0,
             is_touching: false,
             answer: Answer::new(),
@@ -286,6 +290,7 @@ impl<S: Scalar> FullFlight<S> {
             FullState::at_rest(position, sit.attitude, tension, sit.gyro_bias.0, &self.restart);
         flying.state = FullState { velocity: known.velocity, ..state };
         flying.health = FullHealth::default();
+        flying.gyro.begin_anew();
         flying.push = PushDetector::default();
         flying.answer = Answer::new();
         flying.line.drift = S::zero();
@@ -379,6 +384,10 @@ impl<S: Scalar> FullFlight<S> {
         // The covariance is looked through where there is an altitude: fifty times a second.
         let is_sound = !has_altitude || flying.state.is_sound(self.filter.used());
         let is_ill = flying.health.is_ill(&flying.state, sit, jerks) && is_clear;
+        if self.is_straight && is_clear && !flying.is_numb && flying.gyro.step(&flying.state, sit) {
+            let blocks = [POSITION, VELOCITY, TILT, GYRO_BIAS];
+            flying.state.widen(&blocks, &self.restart);
+        }
         // A line that may be gone is not to be forgotten in a new start.
         let is_ill = is_ill && !(self.fixed_line.is_none() && flying.answer.is_doubtful);
         // After so many restarts another one does not help.
@@ -402,6 +411,7 @@ impl<S: Scalar> FullFlight<S> {
             pull: Some(flying.pull),
             health: flying.health.means,
             restarts: flying.restarts,
+            gyro_changes: flying.gyro.changes,
             has_diverged: is_lost,
             source: PositionSource::FullState,
         }
