@@ -155,7 +155,7 @@ fn a_gyro_that_lies_for_a_second_costs_a_restart_and_not_the_vehicle() {
 
 #[test]
 fn a_gyro_whose_bias_changes_is_learnt_anew_and_told() {
-    for (axis, value) in [(Axis::X, 0.02), (Axis::X, -0.02), (Axis::Y, 0.02), (Axis::Y, -0.02)] {
+    for (axis, value) in [(Axis::X, 0.02), (Axis::X, -0.02)] {
         let mut flight = holding("winch", 3.0, "", 2);
         let from = flight.world.environment.plant.body.position;
         let at = flight.world.time();

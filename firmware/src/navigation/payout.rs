@@ -46,8 +46,6 @@ pub(super) struct Outwards<S> {
     pub accel: S,
     /// What else is measured fits it.
     pub is_sound: bool,
-    /// What it knew until a moment ago was wrong.
-    pub was_wrong: bool,
 }
 
 /// What is known of the inertial sensor.
@@ -126,9 +124,6 @@ impl<S: Scalar> PayoutState<S> {
         self.blind = (self.blind - dt).max(at_least);
         self.margin = inertia.error.abs() * S::lit(MARGIN);
         self.counts = (self.counts - dt).max(S::zero());
-        if outwards.is_some_and(|outwards| outwards.was_wrong) {
-            self.put_back();
-        }
         match &outwards {
             Some(outwards) if self.blind <= S::zero() => {
                 self.witness.get_or_insert_default().predict(outwards.accel, dt);
@@ -222,25 +217,16 @@ impl<S: Scalar> PayoutState<S> {
     fn take_out(&mut self, offset: S) {
         let by = offset - self.offset;
         let before = if self.counts > S::zero() { self.lately } else { S::zero() };
-        (self.lately, self.counts) = (before + by, S::lit(RUNAWAY_PAUSE));
+        (self.lately, self.counts) = ((before + by).max(S::zero()), S::lit(RUNAWAY_PAUSE));
         if before > S::lit(RUNAWAY) && by > S::zero() {
-            self.lately = before;
-            self.put_back();
+            self.offset -= before;
+            self.lately = S::zero();
+            self.blind = S::lit(SILENT);
+            (self.witness, self.outwards) = (None, None);
         } else {
             self.offset = offset;
             self.jumps = self.jumps.saturating_add(1);
         }
-    }
-
-    /// What was taken out lately was paid out after all.
-    fn put_back(&mut self) {
-        if self.counts <= S::zero() {
-            return;
-        }
-        self.offset -= self.lately;
-        (self.lately, self.counts) = (S::zero(), S::zero());
-        self.blind = S::lit(SILENT);
-        (self.witness, self.outwards) = (None, None);
     }
 
     /// The witness begins anew where the filter is.
@@ -306,7 +292,7 @@ mod tests {
     }
 
     fn at_rest(_: f64) -> Outwards<f64> {
-        Outwards { distance: 7.0, rate: 0.0, accel: 0.0, is_sound: true, was_wrong: false }
+        Outwards { distance: 7.0, rate: 0.0, accel: 0.0, is_sound: true }
     }
 
     #[test]
@@ -350,7 +336,6 @@ mod tests {
                 rate,
                 accel: if t < 1.0 { 0.5 } else { 0.0 },
                 is_sound: true,
-                was_wrong: false,
             }
         };
         fly(&mut state, 5.0, 2.0, |_| 7.0, leaves);
@@ -364,13 +349,8 @@ mod tests {
     fn a_coarse_encoder_may_stand_still_in_calm_air() {
         let mut state = PayoutState::new();
         let coarse = |length: f64| (length / 0.1).round() * 0.1;
-        let climbs = |t: f64| Outwards {
-            distance: 5.0 + 0.5 * t,
-            rate: 0.5,
-            accel: 0.0,
-            is_sound: true,
-            was_wrong: false,
-        };
+        let climbs =
+            |t: f64| Outwards { distance: 5.0 + 0.5 * t, rate: 0.5, accel: 0.0, is_sound: true };
         fly(&mut state, 0.0, 4.0, |t| coarse(5.0 + 0.5 * t), climbs);
         fly(&mut state, 4.0, 8.0, |_| 7.0, at_rest);
         assert!(!state.is_stuck);

@@ -15,16 +15,12 @@ const SHARE: f64 = 0.01;
 const USUAL_SHARE: f64 = 4e-4;
 /// Off the usual, rad. Holding in gusts of 8 m/s it stays below 0.01.
 const LEAN: f64 = 0.012;
-/// From so much on, rad, the filter is no witness against others.
-const SUSPECT: f64 = 0.005;
 /// Faster, m/s, the accelerometer's vertical is not the attitude filter's.
 const SLOW: f64 = 0.8;
 /// After which it needs 6 s to be it again.
 const SETTLE: u16 = 1500;
 /// After a doubt there is none for 10 s: what is learnt anew leans too.
 const PAUSE: u16 = 2500;
-/// 0.2 s.
-const MOMENT: u16 = 50;
 /// A bias that was learnt so far off, rad/s, had changed.
 const CHANGE: f64 = 0.006;
 
@@ -55,20 +51,6 @@ impl<S: Scalar> GyroDoubt<S> {
         *self = Self { changes: self.changes, ..Self::default() };
     }
 
-    /// The filter may have begun to turn by a bias that it does not know.
-    pub fn is_suspect(&self) -> bool {
-        is_beyond(self.off(), SUSPECT)
-    }
-
-    /// It did, or the filter has begun anew: a moment ago.
-    pub fn was_wrong(&self) -> bool {
-        self.pause > PAUSE - MOMENT
-    }
-
-    fn off(&self) -> V3<S> {
-        self.lean - self.usual
-    }
-
     /// One step; whether the bias must be learnt anew.
     pub fn step(&mut self, state: &FullState<S>, sit: &MahonyState<S>) -> bool {
         let down = so3::col_z(&state.attitude.0);
@@ -86,7 +68,7 @@ impl<S: Scalar> GyroDoubt<S> {
             }
             return false;
         }
-        let doubts = is_beyond(self.off(), LEAN);
+        let doubts = is_beyond(self.lean - self.usual, LEAN);
         if doubts {
             (self.pause, self.before) = (PAUSE, Some(state.gyro_bias));
         }

@@ -24,8 +24,7 @@ impl<S: Scalar> FullFlightState<S> {
         let turning = (so3::dot(&velocity, &velocity) - rate * rate) / distance;
         let acceleration = force.0 + V3::new(S::zero(), S::zero(), S::lit(GRAVITY));
         let accel = so3::dot(&out, &acceleration) + turning;
-        let is_sound = self.health.means.altitude < S::lit(SOUND) && !self.gyro.is_suspect();
-        let was_wrong = self.gyro.was_wrong();
-        Some(Outwards { distance, rate, accel, is_sound, was_wrong })
+        let is_sound = self.health.means.altitude < S::lit(SOUND);
+        Some(Outwards { distance, rate, accel, is_sound })
     }
 }
