@@ -157,3 +157,21 @@ fn a_thrust_stands_table_becomes_a_parameter_file() {
     assert!(params.contains("MOT_THR_MAX\t8.") && params.contains("THR_MDL_FAC\t0.5"), "{params}");
     assert!(!params.contains("MOT_TAU"), "{params}");
 }
+
+#[test]
+fn an_export_that_fails_leaves_what_was_there() {
+    let here = folder("export");
+    fs::write(here.join("short.toml"), "[[mission]]\ndo = \"arm\"\n").unwrap();
+    sitl(&here, &["--headless", "--scenario", "short.toml", "--duration", "5", "--log-dir", "."]);
+    let log = fs::read(here.join("flight-0001.ulg")).unwrap();
+    let own = sitl(&here, &["export", "flight-0001.ulg", "--out", "./flight-0001.ulg"]);
+    assert_eq!((own.code, own.err.lines().count()), (2, 1), "{}", own.err);
+    assert_eq!(fs::read(here.join("flight-0001.ulg")).unwrap(), log);
+    assert_eq!(sitl(&here, &["export", "flight-0001.ulg"]).code, 0);
+    let good = fs::read(here.join("flight-0001.mcap")).unwrap();
+    fs::write(here.join("flight-0001.ulg"), "no log").unwrap();
+    assert_eq!(sitl(&here, &["export", "flight-0001.ulg"]).code, 2);
+    assert_eq!(fs::read(here.join("flight-0001.mcap")).unwrap(), good);
+    let left = fs::read_dir(&here).unwrap().count();
+    assert_eq!(left, 3, "scenario, log, export");
+}

@@ -1,7 +1,8 @@
 //! Everything that must hold before a change lands.
 
 use crate::{
-    Outcome, book, cost, figures, images, install, params, python, root, run, run_with, view,
+    Outcome, book, cost, figures, images, install, params, python, root, run, run_with, tautbench,
+    view,
 };
 use std::process::Command;
 
@@ -38,6 +39,7 @@ pub fn everything() -> Outcome {
     view::test()?;
     python::check()?;
     campaigns()?;
+    tautbench::few()?;
     figures::check(false)?;
     experiments()?;
     run("cargo", &["test", "--locked", "--doc"])?;
@@ -75,7 +77,7 @@ pub fn faults(options: &[&str]) -> Outcome {
     }
     run("cargo", &["build", "--release", "--locked", "-p", "tautline-sitl"])?;
     let seeds = format!("seeds={seeds}");
-    run(sitl(), &[&["experiment", "faults", "--set", &seeds], to].concat())
+    run(SITL, &[&["experiment", "faults", "--set", &seeds], to].concat())
 }
 
 /// The pymavlink flights alone.
@@ -96,7 +98,7 @@ fn campaigns() -> Outcome {
         let out = format!("target/campaigns/{name}");
         // What an interrupted run left there would be refused.
         let _ = std::fs::remove_dir_all(root().join(&out));
-        run(sitl(), &["campaign", &file, "--seeds", "3", "--out", &out])?;
+        run(SITL, &["campaign", &file, "--seeds", "3", "--out", &out])?;
     }
     Ok(())
 }
@@ -130,7 +132,7 @@ fn experiments() -> Outcome {
     ];
     for key in whole {
         let folder = format!("target/experiments/{key}");
-        run(sitl(), &["experiment", key, "--plot", &folder])?;
+        run(SITL, &["experiment", key, "--plot", &folder])?;
     }
     for (key, seeds) in [
         ("taut-flight", 4),
@@ -146,13 +148,9 @@ fn experiments() -> Outcome {
         ("pendulum-sweeps", 1),
         ("pendulum-flight", 2),
     ] {
-        run(sitl(), &["experiment", key, "--set", &format!("seeds={seeds}")])?;
+        run(SITL, &["experiment", key, "--set", &format!("seeds={seeds}")])?;
     }
-    run(sitl(), &["sysid", "tests/golden/sysid.csv", "--plot", "target/experiments/sysid"])
-}
-
-fn sitl() -> &'static str {
-    "target/release/sitl"
+    run(SITL, &["sysid", "tests/golden/sysid.csv", "--plot", "target/experiments/sysid"])
 }
 
 /// The flight step must link without a panic handler, and the same program with a panic must not.

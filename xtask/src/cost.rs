@@ -139,7 +139,7 @@ fn flights() -> Result<Vec<Row>, String> {
     let mut rows = Vec::new();
     for flight in FLIGHTS {
         // Its end may differ from the host's, which `cargo xtask emulate` judges where it must not.
-        let out = Command::new("target/release/sitl")
+        let out = Command::new(SITL)
             .args(["emulate", "--within", "5", "--scenario"])
             .arg(format!("sitl/scenarios/{flight}.toml"))
             .arg("--image")

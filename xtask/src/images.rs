@@ -312,13 +312,13 @@ pub fn emulate(more: &[&str]) -> Outcome {
     let path = image.path().display().to_string();
     let fly = |scenario: &str, more: &[&str]| {
         let fixed = ["emulate", "--image", &path, "--scenario", scenario];
-        run("target/release/sitl", &[&fixed[..], more].concat())
+        run(SITL, &[&fixed[..], more].concat())
     };
     if !more.is_empty() {
         let named = more.contains(&"--scenario");
         let scenario: &[&str] = if named { &[] } else { &["--scenario", BOARD_SCENARIO] };
         let first = ["emulate", "--image", &path];
-        return run("target/release/sitl", &[&first[..], scenario, more].concat());
+        return run(SITL, &[&first[..], scenario, more].concat());
     }
     fly(BOARD_SCENARIO, &["--twice"])?;
     fly(BOARD_SCENARIO, &["--injury", "hard-fault", "--injury-at", "8"])?;

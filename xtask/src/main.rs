@@ -108,6 +108,9 @@ fn main() -> ExitCode {
     }
 }
 
+/// The simulator, as `cargo build --release` leaves it.
+const SITL: &str = "target/release/sitl";
+
 /// When the first program was run.
 static STARTED: OnceLock<Instant> = OnceLock::new();
 

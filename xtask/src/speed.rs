@@ -4,7 +4,6 @@ use crate::figures::Figures;
 use crate::{Outcome, install, root, run};
 use std::process::Command;
 
-const SITL: &str = "target/release/sitl";
 const CHAIN: &str = "tests/clients/mujoco_chain.py";
 const PATH: &str = "tests/clients/mujoco_line.py";
 const PYTHON: &str = "target/venv/bin/python";

@@ -1,11 +1,21 @@
 //! The table of estimators in `docs/tautbench.md`, from flights flown anew. Some minutes on two cores.
 
 use crate::figures::{replaced, sitl};
-use crate::{Outcome, root};
+use crate::{Outcome, SITL, root, run};
 use std::fs;
 
 const PAGE: &str = "docs/tautbench.md";
 const DATA: &str = "target/tautbench";
+
+/// A few cells, one flight each: generated, and all methods over them.
+pub fn few() -> Outcome {
+    const FEW: &str = "target/tautbench-few";
+    const CELLS: &str = "fixed-10m-3mps,cut-3mps,30gpm-25m-calm,taut-force-3mps";
+    let _ = fs::remove_dir_all(root().join(FEW));
+    let generate = ["tautbench", "generate", "--out", FEW, "--cells", CELLS, "--seeds", "1"];
+    run(SITL, &generate)?;
+    run(SITL, &["tautbench", "table", FEW])
+}
 
 /// Flies the whole grid and rewrites the table.
 pub fn write() -> Outcome {

@@ -35,12 +35,15 @@ pub fn run(options: &Options) -> Result<(), Failure> {
     {
         return Err(Failure::Usage(format!("--out {}: that is the log itself", path.display())));
     }
-    let file = File::create(&path).map_err(|e| Failure::Usage(format!("{}: {e}", path.display())));
-    let written = export(&bytes, BufWriter::new(file?), options.inputs).map_err(|e| {
-        // Half a file would pass for a flight.
-        let _ = std::fs::remove_file(&path);
+    // Half a file would pass for a flight, and one of an earlier export stands until this one is whole.
+    let part = path.with_extension("mcap.part");
+    let failed = |e: std::io::Error| Failure::Usage(format!("{}: {e}", path.display()));
+    let file = File::create(&part).map_err(failed)?;
+    let written = export(&bytes, BufWriter::new(file), options.inputs).map_err(|e| {
+        let _ = std::fs::remove_file(&part);
         named(e)
     })?;
+    std::fs::rename(&part, &path).map_err(failed)?;
     for note in &written.notes {
         eprintln!("{name}: {note}");
     }

@@ -2,6 +2,7 @@
 //! body's down axis for the thrust.
 
 use super::record::{CHANNELS, Record};
+use crate::metrics::Mean;
 use crate::scenario::set_param;
 use crate::ulog::{Data, Log, Message, Value};
 use std::fs;
@@ -78,6 +79,7 @@ struct Reader {
     voltage: Option<f64>,
     is_clear: bool,
     throttle: Option<Vec<f64>>,
+    /// Between two motor samples.
     force: Mean,
 }
 
@@ -121,7 +123,8 @@ impl Reader {
         let counts = self.is_clear && self.since.is_some_and(|since| time >= since + SETTLE);
         // What acted until now is what was sent at the end of the last period.
         let acted = self.throttle.replace(data.numbers("control").unwrap_or_default());
-        let (Some(down), Some(acted), Some(volts)) = (self.force.take(), acted, self.voltage)
+        let (Some(down), Some(acted), Some(volts)) =
+            (std::mem::take(&mut self.force).get(), acted, self.voltage)
         else {
             return Ok(());
         };
@@ -137,24 +140,5 @@ impl Reader {
             list.push(volts);
         }
         Ok(())
-    }
-}
-
-/// Between two motor samples.
-#[derive(Default)]
-struct Mean {
-    sum: f64,
-    count: f64,
-}
-
-impl Mean {
-    fn add(&mut self, x: f64) {
-        self.sum += x;
-        self.count += 1.0;
-    }
-    fn take(&mut self) -> Option<f64> {
-        let mean = (self.count > 0.0).then(|| self.sum / self.count);
-        *self = Self::default();
-        mean
     }
 }

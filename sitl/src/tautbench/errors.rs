@@ -2,7 +2,7 @@
 
 use super::columns::{TIME, Table};
 use super::estimates::{Estimate, Estimates, direction};
-use crate::metrics::Spread;
+use crate::metrics::{Mean, Spread};
 use crate::plant::V3;
 use nalgebra::Quaternion;
 use serde::{Deserialize, Serialize};
@@ -47,22 +47,6 @@ struct Moment {
     position: V3,
     attitude: Quaternion<f64>,
     tension: f64,
-}
-
-#[derive(Default)]
-struct Mean {
-    sum: f64,
-    count: f64,
-}
-
-impl Mean {
-    fn add(&mut self, x: f64) {
-        self.sum += x;
-        self.count += 1.0;
-    }
-    fn get(&self) -> Option<f64> {
-        (self.count > 0.0).then(|| self.sum / self.count)
-    }
 }
 
 /// The scored moments of a table of the truth.

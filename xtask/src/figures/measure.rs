@@ -25,7 +25,7 @@ pub fn measure(source: &str) -> Result<Figures, String> {
 pub fn sitl(arguments: &[&str]) -> Result<(String, bool), String> {
     run("cargo", &["build", "--release", "--locked", "--quiet", "-p", "tautline-sitl"])?;
     eprintln!("\n== sitl {}", arguments.join(" "));
-    let out = Command::new(root().join("target/release/sitl"))
+    let out = Command::new(root().join(SITL))
         .args(arguments)
         .current_dir(root())
         .output()
