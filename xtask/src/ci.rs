@@ -1,8 +1,8 @@
 //! Everything that must hold before a change lands.
 
 use crate::{
-    Outcome, book, cost, figures, images, install, params, python, root, run, run_with, tautbench,
-    view,
+    Outcome, SITL, book, cost, figures, images, install, params, python, root, run, run_with,
+    tautbench, view,
 };
 use std::process::Command;
 

@@ -1,7 +1,7 @@
 //! `docs/cost.md`: instructions per call and stack of each block, on an emulated Cortex-M4F and Cortex-M3.
 
 use crate::figures::Figures;
-use crate::{Outcome, images, install, root, run, run_with};
+use crate::{Outcome, SITL, images, install, root, run, run_with};
 use std::fmt::Write;
 use std::process::{Command, Stdio};
 

@@ -2,7 +2,7 @@
 
 use crate::figures::Figures;
 use crate::reach::Code;
-use crate::{Outcome, install, root, run, run_with};
+use crate::{Outcome, SITL, install, root, run, run_with};
 use object::{Object, ObjectSection, SectionFlags};
 use std::path::PathBuf;
 use std::process::Command;

@@ -1,7 +1,7 @@
 //! What simulated time costs: instructions per simulated millisecond, simulated seconds per second of processor time.
 
 use crate::figures::Figures;
-use crate::{Outcome, install, root, run};
+use crate::{Outcome, SITL, install, root, run};
 use std::process::Command;
 
 const CHAIN: &str = "tests/clients/mujoco_chain.py";

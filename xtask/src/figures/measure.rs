@@ -1,7 +1,7 @@
 //! A command → what it measures.
 
 use super::Figures;
-use crate::{cost, images, root, run, speed};
+use crate::{SITL, cost, images, root, run, speed};
 use serde_json::Value;
 use std::fs;
 use std::process::Command;
