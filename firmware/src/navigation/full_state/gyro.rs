@@ -2,7 +2,8 @@
 //!
 //! The filter holds the gyro's bias for nearly constant, and what a changed one turns it by it takes for wind for a dozen
 //! seconds. The attitude filter beside it is pulled upright by the accelerometer and follows sooner: that the two lean apart
-//! says so after three or four.
+//! says so after three or four. Only about the axis in the line's vertical plane: in the plane itself a tension that moves, a
+//! start and a stop make them lean as well.
 
 use crate::estimate::MahonyState;
 use crate::estimate::full_state::FullState;
@@ -14,11 +15,15 @@ use crate::scalar::Scalar;
 const SHARE: f64 = 0.01;
 const USUAL_SHARE: f64 = 4e-4;
 /// Off the usual, rad. Holding in gusts of 8 m/s it stays below 0.01.
-const LEAN: f64 = 0.012;
-/// Faster, m/s, the accelerometer's vertical is not the attitude filter's.
+const LEAN: f64 = 0.01;
+/// Nearer to the anchor's vertical, m, the line has hardly a plane.
+const LEVEL: f64 = 1.0;
+/// Faster, or wanted to be faster than this, m/s, the accelerometer's vertical is not the attitude filter's.
 const SLOW: f64 = 0.8;
-/// After which it needs 6 s to be it again.
-const SETTLE: u16 = 1500;
+const STILL: f64 = 0.05;
+/// After which it needs 8 s to be it again, and what is usual is what is, in 1 s.
+const SETTLE: u16 = 2000;
+const SETTLING_SHARE: f64 = 4e-3;
 /// After a doubt there is none for 10 s: what is learnt anew leans too.
 const PAUSE: u16 = 2500;
 /// A bias that was learnt so far off, rad/s, had changed.
@@ -27,9 +32,9 @@ const CHANGE: f64 = 0.006;
 /// What moves.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct GyroDoubt<S: Scalar> {
-    /// From the filter's down axis to the attitude filter's, world axes, rad, low-passed.
-    lean: V3<S>,
-    usual: V3<S>,
+    /// From the filter's down axis to the attitude filter's, across the line's plane, rad, low-passed.
+    lean: S,
+    usual: S,
     /// Steps.
     pause: u16,
     /// The bias when the last doubt came, until it has changed.
@@ -40,7 +45,7 @@ pub(super) struct GyroDoubt<S: Scalar> {
 
 impl<S: Scalar> Default for GyroDoubt<S> {
     fn default() -> Self {
-        let o = V3::zeros();
+        let o = S::zero();
         Self { lean: o, usual: o, pause: PAUSE, before: None, changes: 0 }
     }
 }
@@ -51,14 +56,18 @@ impl<S: Scalar> GyroDoubt<S> {
         *self = Self { changes: self.changes, ..Self::default() };
     }
 
-    /// One step; whether the bias must be learnt anew.
-    pub fn step(&mut self, state: &FullState<S>, sit: &MahonyState<S>) -> bool {
+    /// One step, with the velocity that is wanted, m/s; whether the bias must be learnt anew.
+    pub fn step(&mut self, state: &FullState<S>, sit: &MahonyState<S>, wanted: &V3<S>) -> bool {
         let down = so3::col_z(&state.attitude.0);
-        let lean = so3::cross(&down, &so3::col_z(&sit.attitude.0));
+        let apart = so3::cross(&down, &so3::col_z(&sit.attitude.0));
+        let place = V3::new(state.position.x, state.position.y, S::zero());
+        let lean = so3::dot(&apart, &place) / so3::norm(&place).max(S::lit(LEVEL));
         self.lean += (lean - self.lean) * S::lit(SHARE);
-        self.usual += (self.lean - self.usual) * S::lit(USUAL_SHARE);
+        let settles = self.pause > 0 && self.before.is_none();
+        let share = if settles { SETTLING_SHARE } else { USUAL_SHARE };
+        self.usual += (self.lean - self.usual) * S::lit(share);
         self.pause = self.pause.saturating_sub(1);
-        if is_beyond(state.velocity, SLOW) {
+        if is_beyond(state.velocity, SLOW) || is_beyond(*wanted, STILL) {
             self.pause = self.pause.max(SETTLE);
         }
         if self.pause > 0 {
@@ -68,7 +77,7 @@ impl<S: Scalar> GyroDoubt<S> {
             }
             return false;
         }
-        let doubts = is_beyond(self.lean - self.usual, LEAN);
+        let doubts = (self.lean - self.usual).abs() > S::lit(LEAN);
         if doubts {
             (self.pause, self.before) = (PAUSE, Some(state.gyro_bias));
         }

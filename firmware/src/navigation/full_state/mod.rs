@@ -384,7 +384,11 @@ impl<S: Scalar> FullFlight<S> {
         // The covariance is looked through where there is an altitude: fifty times a second.
         let is_sound = !has_altitude || flying.state.is_sound(self.filter.used());
         let is_ill = flying.health.is_ill(&flying.state, sit, jerks) && is_clear;
-        if self.is_straight && is_clear && !flying.is_numb && flying.gyro.step(&flying.state, sit) {
+        if self.is_straight
+            && is_clear
+            && !flying.is_numb
+            && flying.gyro.step(&flying.state, sit, &intent.velocity.0)
+        {
             let blocks = [POSITION, VELOCITY, TILT, GYRO_BIAS];
             flying.state.widen(&blocks, &self.restart);
         }
