@@ -14,7 +14,7 @@ use crate::scalar::Scalar;
 /// Shares of a step: 0.4 s, and of what is usual, 10 s.
 const SHARE: f64 = 0.01;
 const USUAL_SHARE: f64 = 4e-4;
-/// Off the usual, rad. Holding in gusts of 8 m/s it stays below 0.01.
+/// Off the usual, rad. Holding up to 3 m/s it stays below; in gusts of 8 m/s one flight of ten passes it.
 const LEAN: f64 = 0.01;
 /// Nearer to the anchor's vertical, m, the line has hardly a plane.
 const LEVEL: f64 = 1.0;
@@ -77,6 +77,8 @@ impl<S: Scalar> GyroDoubt<S> {
             }
             return false;
         }
+        // A doubt that no bias confirmed is over.
+        self.before = None;
         let doubts = (self.lean - self.usual).abs() > S::lit(LEAN);
         if doubts {
             (self.pause, self.before) = (PAUSE, Some(state.gyro_bias));
